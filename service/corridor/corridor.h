@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "service/scene/scene.h"
+#include "shared/flight/flight.h"
+#include "shared/options/options.h"
+
+namespace soffit {
+
+/// A straight way under or through a building, flown by the vehicle's centre.
+struct Corridor {
+  std::uint32_t object_id = 0;
+  int entry_wall = -1;
+  int exit_wall = -1;
+  Eigen::Vector3d entry_in_map_m = Eigen::Vector3d::Zero();  ///< Outside the footprint, with stand-off.
+  Eigen::Vector3d exit_in_map_m = Eigen::Vector3d::Zero();
+  double free_width_m = 0.0;    ///< Of the free rectangle along the whole corridor that is best relative to the need.
+  double free_height_m = 0.0;
+  double floor_m = 0.0;         ///< Lower side of that rectangle, above the ground.
+  double std_m = 0.0;           ///< Of its sides.
+};
+
+struct CorridorOptions {
+  double approach_m = 1.0;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& field) {
+    field("approach_m", self.approach_m, OptionInfo{0.0, 50.0, "m", "Stand-off of entry and exit beside the envelope"});
+  }
+};
+
+/// The best corridor for each passage of the object's solid, best relative to the vehicle's need first, whether or not
+/// it is wide enough. Empty when nothing leads through. Pure.
+std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id, const VehicleEnvelope& vehicle,
+                                    const CorridorOptions& options);
+
+}  // namespace soffit

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "service/footprint/footprint.h"
+#include "service/image/image.h"
+#include "service/mask/mask.h"
+#include "shared/geometry/polygon.h"
+#include "shared/options/options.h"
+
+namespace soffit {
+
+/// What a pixel of a horizontal picture shows. Zero is the safe one: it proves nothing.
+enum class Seen : std::uint8_t { kUnexplained, kStructure, kGround, kSky };
+
+/// One horizontal picture, understood pixel by pixel: `seen` holds `Seen` values, size of the picture.
+struct Sight {
+  std::uint32_t capture_id = 0;
+  View view;
+  cv::Mat1b seen;
+};
+
+/// An opening of one wall. Wall coordinates: u along the footprint's side from its first corner, v up from the ground.
+struct Opening {
+  Ring ring_in_wall_m;        ///< Counter-clockwise seen from outside, simple.
+  double std_m = 0.0;         ///< Of its sides.
+  bool is_through = false;    ///< Proved by evidence: background seen through it.
+  double depth_m = 0.0;       ///< Of a recess, where it could be told; else 0.
+  std::string evidence;       ///< For people: what it was decided from.
+  std::vector<std::uint32_t> captures;
+};
+
+/// One wall of a building as a vertical rectangle, with its openings.
+struct Facade {
+  std::uint32_t object_id = 0;
+  int side = -1;              ///< The wall stands on side `side` of the footprint's outer ring (corner side to side + 1).
+  double width_m = 0.0;
+  double height_m = 0.0;
+  double height_std_m = 0.0;
+  bool was_seen = false;      ///< False: no picture shows enough of it; then `openings` means nothing.
+  std::vector<Opening> openings;
+};
+
+struct FacadeOptions {
+  double resolution_m = 0.01;
+  double min_opening_m = 0.15;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& field) {
+    field("resolution_m", self.resolution_m, OptionInfo{0.001, 1.0, "m", "Finest raster of an elevation"});
+    field("min_opening_m", self.min_opening_m, OptionInfo{0.01, 10.0, "m", "Smaller openings are not looked for"});
+  }
+};
+
+/// Labels every pixel of a horizontal picture. `buildings` is its colour mask.
+Sight LabelSight(const Image& image, const Mask& buildings, const FacadeOptions& options);
+
+/// The walls of one object as the horizontal pictures show them, one Facade for each side of its outer ring.
+std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image>& images, const std::vector<Mask>& masks,
+                                const std::vector<Sight>& sights, const FacadeOptions& options);
+
+}  // namespace soffit

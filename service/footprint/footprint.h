@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "service/image/image.h"
+#include "service/outline/outline.h"
+#include "shared/geometry/polygon.h"
+#include "shared/options/options.h"
+
+namespace soffit {
+
+/// One building of the vector map: the vertical projection of everything of it, in metres.
+struct Footprint {
+  std::uint32_t object_id = 0;          ///< Unique in the vector map; 0: not yet in a map.
+  std::string color;
+  Polygon polygon_in_map_m;             ///< Valid: outer ring counter-clockwise, holes clockwise, all simple.
+  std::vector<double> corner_std_m;     ///< For each corner of the outer ring.
+  double height_m = 0.0;                ///< Highest point above the ground; 0: not known.
+  double height_std_m = 0.0;
+  bool is_cut = false;                  ///< Part of it lay outside the picture: its shape is not known.
+  std::vector<std::uint32_t> captures;  ///< The pictures that it was seen in.
+};
+
+struct FootprintOptions {
+  double min_area_m2 = 0.2;
+  double max_height_m = 120.0;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& field) {
+    field("min_area_m2", self.min_area_m2, OptionInfo{0.0, 1e6, "m2", "Smaller shapes are not buildings"});
+    field("max_height_m", self.max_height_m, OptionInfo{1.0, 1000.0, "m", "No building is taken to be higher"});
+  }
+};
+
+/// Footprints of the outlines in a picture taken from above. What leans outward in perspective (roof at an unknown
+/// height, walls of the same colour) is told apart; a height comes along where the picture shows it.
+/// Throws ContractViolation when the camera looks less than 45 degrees down. Pure.
+std::vector<Footprint> TraceFootprints(const Image& image, const std::vector<Outline>& outlines,
+                                       const FootprintOptions& options);
+
+/// The vector map of all that several pictures show: the same building is one entry, whole views win over cut ones
+/// and steep views over slanted ones. Ids are numbered from 1 by first sight, and are kept from `map`.
+std::vector<Footprint> MergeFootprints(const std::vector<Footprint>& map, const std::vector<Footprint>& seen);
+
+}  // namespace soffit

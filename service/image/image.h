@@ -1,0 +1,42 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "shared/capture/capture.h"
+#include "shared/options/options.h"
+#include "shared/result/result.h"
+
+namespace soffit {
+
+/// A picture without lens distortion, and the camera that would have taken it so.
+struct Image {
+  std::uint32_t capture_id = 0;
+  std::string name;
+  Purpose purpose = Purpose::kUnknown;
+  bool has_trusted_pose = false;
+  cv::Mat3b bgr;   ///< Never empty. Pixels that the lens did not see are black and lie outside `seen`.
+  cv::Rect seen;   ///< The greatest rectangle in which every pixel was seen.
+  View view;
+};
+
+struct ImageOptions {
+  double max_megapixels = 50.0;
+  int max_bytes = 64 << 20;
+  int max_scans = 100;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& field) {
+    field("max_megapixels", self.max_megapixels, OptionInfo{0.01, 200.0, "MP", "Larger pictures are refused unread"});
+    field("max_bytes", self.max_bytes, OptionInfo{1024, 1 << 30, "B", "Longer files are refused unread"});
+    field("max_scans", self.max_scans, OptionInfo{1, 1000, "", "Progressive JPEGs with more scans are refused"});
+  }
+};
+
+/// Decodes and undistorts a picture.
+///
+/// Only JPEG and PNG, told by their magic; the size in the header is checked before anything is decoded. Greyscale,
+/// 16-bit, CMYK and alpha are turned to 8-bit BGR. The size has to be that of the intrinsics.
+/// Errors name the picture and what is wrong with it. Pure; O(pixels).
+Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options);
+
+}  // namespace soffit

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "service/facade/facade.h"
+#include "service/footprint/footprint.h"
+#include "shared/geometry/polygon.h"
+#include "shared/options/options.h"
+#include "shared/result/result.h"
+
+namespace soffit {
+
+/// Triangles with outward normals.
+struct Mesh {
+  std::vector<Eigen::Vector3d> vertices_in_map_m;
+  std::vector<std::array<int, 3>> triangles;
+};
+
+/// An opening as a planar polygon in the map.
+struct SolidOpening {
+  int wall = -1;                                  ///< Side of the footprint; -1: the roof.
+  std::vector<Eigen::Vector3d> polygon_in_map_m;
+  bool is_through = false;
+  double depth_m = 0.0;
+  double std_m = 0.0;
+};
+
+/// A way through the building: a prism along a horizontal axis from one wall to another.
+struct Passage {
+  int entry_wall = -1;
+  int exit_wall = -1;
+  std::size_t entry_opening = 0;                  ///< Index into Solid::openings.
+  std::size_t exit_opening = 0;
+};
+
+/// Closed, oriented 2-manifold model of one building.
+struct Solid {
+  Footprint footprint;   ///< As adjusted to all pictures.
+  Mesh mesh;             ///< Passed IsClosedManifold().
+  double volume_m3 = 0.0;
+  std::vector<SolidOpening> openings;
+  std::vector<Passage> passages;
+};
+
+struct SolidOptions {
+  double min_wall_m = 0.02;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& field) {
+    field("min_wall_m", self.min_wall_m, OptionInfo{0.0, 10.0, "m", "Thinner leftovers between openings are removed"});
+  }
+};
+
+/// The solid of one building: the footprint raised to its height, less its recesses and passages; in other words the
+/// common part of what the pictures show (paper, section 2.6). An error when the result is not a closed 2-manifold.
+Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades, const SolidOptions& options);
+
+/// Every edge has exactly two triangles in opposite directions, and the volume is positive.
+bool IsClosedManifold(const Mesh& mesh);
+double VolumeM3(const Mesh& mesh);
+
+}  // namespace soffit

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <type_traits>
+
+namespace soffit {
+
+/// Bounds of a number, both included, and what the option is for. NaN is outside every bound.
+struct OptionInfo {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  std::string unit;
+  std::string help;
+};
+
+/// An options struct lists its fields once, in a static `Visit(self, field)`:
+///
+///     template <class Self, class Visitor>
+///     static void Visit(Self& self, Visitor&& field) {
+///       field("min_area_m2", self.min_area_m2, OptionInfo{0.0, 1e6, "m2", "Smaller blobs are dropped"});
+///       field("mask", self.mask);                      // a nested options struct
+///     }
+///
+/// YAML, `--help`, validation and the reference page are read from it. A field is a double, int, bool,
+/// std::string, a vector of these, or a nested options struct.
+namespace options_internal {
+
+struct Validator {
+  std::string path;
+  std::string problem;
+
+  template <class T>
+  void operator()(const char* name, const T& value, const OptionInfo& info) {
+    if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
+      const double number = static_cast<double>(value);
+      if (problem.empty() && !(number >= info.low && number <= info.high)) {
+        std::ostringstream text;
+        text << path << name << " is " << number << " " << info.unit << ", must be from " << info.low << " to "
+             << info.high;
+        problem = text.str();
+      }
+    }
+  }
+  template <class T>
+  void operator()(const char* name, const T& nested) {
+    Validator inner{path + name + ".", {}};
+    T::Visit(nested, inner);
+    if (problem.empty()) problem = inner.problem;
+  }
+};
+
+}  // namespace options_internal
+
+/// The first field that is out of its bounds, in words; empty when all are well.
+template <class Options>
+std::string FindOptionProblem(const Options& options) {
+  options_internal::Validator validator;
+  Options::Visit(options, validator);
+  return validator.problem;
+}
+
+template <class Options>
+bool IsValidOptions(const Options& options) {
+  return FindOptionProblem(options).empty();
+}
+
+}  // namespace soffit
