@@ -6,18 +6,24 @@ namespace soffit {
 
 bool IsValid(const Intrinsics& i) {
   const bool sized = i.width_px > 0 && i.height_px > 0 && i.fx_px > 0.0 && i.fy_px > 0.0;
-  bool finite = std::isfinite(i.fx_px) && std::isfinite(i.fy_px) && std::isfinite(i.cx_px) && std::isfinite(i.cy_px);
+  bool finite =
+      std::isfinite(i.fx_px) && std::isfinite(i.fy_px) && std::isfinite(i.cx_px) && std::isfinite(i.cy_px);
   for (const double d : i.distortion) finite = finite && std::isfinite(d);
   return sized && finite;
 }
 
 const char* ToString(Purpose purpose) {
   switch (purpose) {
-    case Purpose::kOverview: return "overview";
-    case Purpose::kTop: return "top";
-    case Purpose::kWall: return "wall";
-    case Purpose::kCorridor: return "corridor";
-    case Purpose::kUnknown: break;
+    case Purpose::kOverview:
+      return "overview";
+    case Purpose::kTop:
+      return "top";
+    case Purpose::kWall:
+      return "wall";
+    case Purpose::kCorridor:
+      return "corridor";
+    case Purpose::kUnknown:
+      break;
   }
   return "unknown";
 }
@@ -42,7 +48,8 @@ Eigen::Vector3d RayDirection(const View& view, const Eigen::Vector2d& pixel) {
   return (view.map_from_camera.rotation * in_camera).normalized();
 }
 
-std::optional<Eigen::Vector2d> MeetHorizontalPlane(const View& view, const Eigen::Vector2d& pixel, double height_m) {
+std::optional<Eigen::Vector2d> MeetHorizontalPlane(const View& view, const Eigen::Vector2d& pixel,
+                                                   double height_m) {
   const Eigen::Vector3d direction = RayDirection(view, pixel);
   const Eigen::Vector3d& origin = view.map_from_camera.translation_m;
   const double t = (height_m - origin.z()) / direction.z();

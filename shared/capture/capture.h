@@ -28,15 +28,15 @@ bool IsValid(const Intrinsics& intrinsics);
 /// Why a picture is taken. The zero value serves nothing.
 enum class Purpose { kUnknown, kOverview, kTop, kWall, kCorridor };
 
-const char* ToString(Purpose purpose);                        ///< "overview", "top", ...
+const char* ToString(Purpose purpose);  ///< "overview", "top", ...
 std::optional<Purpose> PurposeFromString(const std::string& text);
 
 /// One picture as it was taken: compressed bytes and all that is known of the moment of exposure.
 struct Capture {
   std::uint32_t vehicle_id = 0;
   std::uint64_t mission_id = 0;
-  std::uint32_t capture_id = 0;       ///< Unique within the mission.
-  std::string name;                   ///< File name for people, without folders; may be empty.
+  std::uint32_t capture_id = 0;  ///< Unique within the mission.
+  std::string name;              ///< File name for people, without folders; may be empty.
   Purpose purpose = Purpose::kUnknown;
   std::int64_t exposure_utc_ns = 0;
   Intrinsics intrinsics;
@@ -49,19 +49,21 @@ struct Capture {
 
 /// An ideal (undistorted) pinhole camera somewhere in the map.
 struct View {
-  Intrinsics intrinsics;              ///< `distortion` is zero.
+  Intrinsics intrinsics;  ///< `distortion` is zero.
   Pose<Map, Camera> map_from_camera;
   double position_std_m = 0.0;
   double orientation_std_rad = 0.0;
 };
 
-/// Pixel of a point of the map; none when it is not in front of the camera (depth < 1 mm). May lie outside the picture.
+/// Pixel of a point of the map; none when it is not in front of the camera (depth < 1 mm). May lie outside
+/// the picture.
 std::optional<Eigen::Vector2d> Project(const View& view, const Eigen::Vector3d& in_map_m);
 
 /// Unit direction, in the map, of the ray through a pixel.
 Eigen::Vector3d RayDirection(const View& view, const Eigen::Vector2d& pixel);
 
 /// Where the ray through a pixel meets the plane z = `height_m`; none when it runs away from it.
-std::optional<Eigen::Vector2d> MeetHorizontalPlane(const View& view, const Eigen::Vector2d& pixel, double height_m);
+std::optional<Eigen::Vector2d> MeetHorizontalPlane(const View& view, const Eigen::Vector2d& pixel,
+                                                   double height_m);
 
 }  // namespace soffit

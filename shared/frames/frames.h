@@ -4,7 +4,7 @@
 
 namespace soffit {
 
-struct Map;     ///< World, ENU: x east, y north, z up [m]; origin is the home point on the ground (REP 103/105).
+struct Map;  ///< World, ENU: x east, y north, z up [m]; origin is the home point on the ground (REP 103/105).
 struct Camera;  ///< OpenCV optical frame: x right, y down, z forward [m].
 struct Body;    ///< Vehicle, FLU: x forward, y left, z up [m] (REP 103).
 
@@ -37,7 +37,8 @@ Pose<To, From> operator*(const Pose<To, Middle>& left, const Pose<Middle, From>&
 }
 
 /// The camera's attitude when it looks along `yaw_rad` (map: counter-clockwise from east) and is pitched by
-/// `pitch_rad` (0: horizontal, -pi/2: straight down, then the picture's top points along `yaw_rad`), without roll.
+/// `pitch_rad` (0: horizontal, -pi/2: straight down, then the picture's top points along `yaw_rad`), without
+/// roll.
 Eigen::Quaterniond CameraAttitude(double yaw_rad, double pitch_rad);
 
 }  // namespace soffit

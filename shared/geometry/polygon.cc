@@ -124,9 +124,8 @@ bool IsSimple(const Ring& ring) {
 
 Ring ConvexHull(const std::vector<Eigen::Vector2d>& points) {
   std::vector<Eigen::Vector2d> sorted = points;
-  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
-    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
-  });
+  std::sort(sorted.begin(), sorted.end(),
+            [](const auto& a, const auto& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
   sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
   if (sorted.size() < 3) return sorted;
   Ring hull;

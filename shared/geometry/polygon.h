@@ -9,21 +9,22 @@ namespace soffit {
 using Ring = std::vector<Eigen::Vector2d>;
 
 /// A region of the plane: the inside of `outer` without the insides of `holes`.
-/// Valid when every ring is simple with n >= 3, `outer` counter-clockwise (in a y-up frame) and holes clockwise.
+/// Valid when every ring is simple with n >= 3, `outer` counter-clockwise (in a y-up frame) and holes
+/// clockwise.
 struct Polygon {
   Ring outer;
   std::vector<Ring> holes;
 };
 
-double SignedArea(const Ring& ring);    ///< Positive for counter-clockwise, in a y-up frame.
-double Area(const Polygon& polygon);    ///< Holes taken off.
+double SignedArea(const Ring& ring);  ///< Positive for counter-clockwise, in a y-up frame.
+double Area(const Polygon& polygon);  ///< Holes taken off.
 double Perimeter(const Ring& ring);
-Eigen::Vector2d Centroid(const Polygon& polygon);  ///< Of the area, holes taken off.
-bool Contains(const Ring& ring, const Eigen::Vector2d& point);        ///< Even-odd; the boundary is undefined.
+Eigen::Vector2d Centroid(const Polygon& polygon);               ///< Of the area, holes taken off.
+bool Contains(const Ring& ring, const Eigen::Vector2d& point);  ///< Even-odd; the boundary is undefined.
 bool Contains(const Polygon& polygon, const Eigen::Vector2d& point);
 double DistanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 double DistanceToRing(const Eigen::Vector2d& point, const Ring& ring);  ///< To the nearest side, >= 0.
-bool IsSimple(const Ring& ring);        ///< No two sides meet but neighbours at their corner. O(n^2).
+bool IsSimple(const Ring& ring);  ///< No two sides meet but neighbours at their corner. O(n^2).
 Ring ConvexHull(const std::vector<Eigen::Vector2d>& points);  ///< Counter-clockwise, no collinear corners.
 
 }  // namespace soffit

@@ -19,8 +19,8 @@ struct Error {
 template <class T>
 class Result {
  public:
-  Result(T value) : content_(std::move(value)) {}       // NOLINT(google-explicit-constructor)
-  Result(Error error) : content_(std::move(error)) {}   // NOLINT(google-explicit-constructor)
+  Result(T value) : content_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
+  Result(Error error) : content_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
   bool ok() const { return std::holds_alternative<T>(content_); }
   const T& value() const& { return std::get<T>(content_); }
@@ -45,7 +45,7 @@ class ContractViolation : public std::logic_error {
 
 }  // namespace soffit
 
-#define SOFFIT_EXPECT(condition)                                                                     \
-  do {                                                                                               \
-    if (!(condition)) throw ::soffit::ContractViolation(std::string(__func__) + ": " + #condition);  \
+#define SOFFIT_EXPECT(condition)                                                                    \
+  do {                                                                                              \
+    if (!(condition)) throw ::soffit::ContractViolation(std::string(__func__) + ": " + #condition); \
   } while (false)
