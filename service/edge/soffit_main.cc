@@ -1,0 +1,19 @@
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <iostream>
+
+#include "service/edge/cli/commands.h"
+
+int main(int argc, char** argv) try {
+  CLI::App app("Finds a building from the air, models it, and says whether a drone may fly through it.", "soffit");
+  app.require_subcommand(1);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Error& error) {
+    return app.exit(error);
+  }
+  return 0;
+} catch (const std::exception& error) {
+  std::cerr << "soffit: " << error.what() << '\n';
+  return 1;
+}
