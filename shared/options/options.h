@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace soffit {
 
@@ -25,30 +26,44 @@ struct OptionInfo {
 ///     }
 ///
 /// YAML, `--help`, validation and the reference page are read from it. A field is a double, int, bool,
-/// std::string, a vector of these, or a nested options struct.
+/// std::string, a vector of these, or (given without OptionInfo) a nested options struct or a vector of such.
+/// The bounds of a vector hold for each of its elements.
 namespace options_internal {
+
+template <class T>
+struct IsVector : std::false_type {};
+template <class T>
+struct IsVector<std::vector<T>> : std::true_type {};
 
 struct Validator {
   std::string path;
   std::string problem;
 
   template <class T>
-  void operator()(const char* name, const T& value, const OptionInfo& info) {
-    if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
+  void operator()(const std::string& name, const T& value, const OptionInfo& info) {
+    if constexpr (IsVector<T>::value) {
+      for (std::size_t i = 0; i < value.size(); ++i)
+        (*this)(name + "[" + std::to_string(i) + "]", value[i], info);
+    } else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
       const double number = static_cast<double>(value);
       if (problem.empty() && !(number >= info.low && number <= info.high)) {
         std::ostringstream text;
-        text << path << name << " is " << number << " " << info.unit << ", must be from " << info.low << " to "
-             << info.high;
+        text << path << name << " is " << number << (info.unit.empty() ? "" : " ") << info.unit
+             << ", must be from " << info.low << " to " << info.high;
         problem = text.str();
       }
     }
   }
   template <class T>
-  void operator()(const char* name, const T& nested) {
-    Validator inner{path + name + ".", {}};
-    T::Visit(nested, inner);
-    if (problem.empty()) problem = inner.problem;
+  void operator()(const std::string& name, const T& nested) {
+    if constexpr (IsVector<T>::value) {
+      for (std::size_t i = 0; i < nested.size(); ++i)
+        (*this)(name + "[" + std::to_string(i) + "]", nested[i]);
+    } else {
+      Validator inner{path + name + ".", {}};
+      T::Visit(nested, inner);
+      if (problem.empty()) problem = inner.problem;
+    }
   }
 };
 
