@@ -7,4 +7,6 @@ namespace soffit {
 // One function for each subcommand of `soffit`, each in its own file. It adds its options and a callback to the
 // program. A callback that fails tells the person why on standard error and throws CLI::RuntimeError(exit code).
 
+void AddAnalyzeCommand(CLI::App& app);
+
 }  // namespace soffit

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+
+#include "service/pipeline/pipeline.h"
+#include "shared/result/result.h"
+
+namespace soffit {
+
+/// Writes what was understood for other programs into `folder`: `models/ID.obj` (ENU metres), `scene.bt` (OctoMap) and,
+/// last, `result.json`. Each file replaces its forerunner as a whole, so readers never see half of one.
+/// `observations` are those that it was understood from. Same input, same bytes.
+Status WriteResult(const std::filesystem::path& folder, const Understanding& understanding,
+                   const std::vector<Observation>& observations);
+
+}  // namespace soffit

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "service/match/match.h"
+#include "shared/capture/capture.h"
+#include "shared/flight/flight.h"
+#include "shared/result/result.h"
+
+namespace soffit {
+
+/// All that a flight brought home, as a folder keeps it: `survey.json` and the pictures that it names.
+struct Survey {
+  std::vector<Capture> captures;      ///< In the order of the file; ids from 1.
+  VehicleEnvelope vehicle;
+  std::string reference_file;         ///< The small map of what is wanted, relative to the folder.
+  std::vector<std::string> colors;    ///< Of buildings; empty: as the options say.
+};
+
+/// Reads `folder/survey.json` (format soffit-survey/1) and the bytes of its pictures, which are not decoded here.
+/// Errors name the file, the place in it and what is allowed there; files outside of the folder are refused.
+Result<Survey> ReadSurvey(const std::filesystem::path& folder);
+
+/// Writes what `ReadSurvey` reads, pictures included (those that are there already are kept).
+Status WriteSurvey(const std::filesystem::path& folder, const Survey& survey);
+
+/// Reads a small black-on-white map from a PNG or JPEG.
+Result<Reference> ReadReferenceFile(const std::filesystem::path& file);
+
+}  // namespace soffit
