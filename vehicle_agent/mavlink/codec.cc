@@ -59,7 +59,8 @@ Attempt ReadFrame(std::span<const std::uint8_t> bytes) {
   const std::size_t payload_end = header_length + bytes[1];
   const std::size_t length = payload_end + kChecksumLength + (flags != 0 ? kSignatureLength : 0);
   const MessageInfo* info = FindMessage(frame.message_id);
-  if (info != nullptr && !is_v2 && bytes[1] != info->base_length) return {Kind::kGarbage, 1, {}};
+  if (info != nullptr && !is_v2 && (bytes[1] < info->base_length || bytes[1] > info->full_length))
+    return {Kind::kGarbage, 1, {}};
   if (bytes.size() < length) return {Kind::kNeedsMore, 0, {}};
   if (info == nullptr) return {Kind::kUnknownMessage, length, {}};
 
