@@ -5,7 +5,8 @@
 #include "service/edge/cli/commands.h"
 
 int main(int argc, char** argv) try {
-  CLI::App app("Finds a building from the air, models it, and says whether a drone may fly through it.", "soffit");
+  CLI::App app("Finds a building from the air, models it, and says whether a drone may fly through it.",
+               "soffit");
   app.require_subcommand(1);
   try {
     app.parse(argc, argv);

@@ -114,4 +114,13 @@ struct CommandAck {
   std::string reason;
 };
 
+/// The service lives and leads this vehicle. Sent several times a second from the start of a mission to its end.
+struct MissionHeartbeat {
+  std::uint32_t vehicle_id = 0;
+  std::uint64_t mission_id = 0;
+  std::uint64_t service_epoch = 0;  ///< Differs for every start of the service.
+  std::int64_t stamp_utc_ns = 0;
+  bool is_paused = false;
+};
+
 }  // namespace soffit

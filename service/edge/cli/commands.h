@@ -4,8 +4,9 @@
 
 namespace soffit {
 
-// One function for each subcommand of `soffit`, each in its own file. It adds its options and a callback to the
-// program. A callback that fails tells the person why on standard error and throws CLI::RuntimeError(exit code).
+// One function for each subcommand of `soffit`, each in its own file. It adds its options and a callback to
+// the program. A callback that fails tells the person why on standard error and throws CLI::RuntimeError(exit
+// code).
 
 void AddAnalyzeCommand(CLI::App& app);
 

@@ -1,0 +1,47 @@
+#include "shared/dds/participant.h"
+
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/log/Log.hpp>
+#include <fastdds/dds/log/StdoutErrConsumer.hpp>
+#include <mutex>
+
+#include "shared/dds/bus.h"
+#include "shared/dds/qos.h"
+
+namespace soffit {
+namespace {
+
+/// Standard output belongs to the programs, so the library's own messages go to standard error.
+void KeepLibraryOffStandardOutput() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    using eprosima::fastdds::dds::Log;
+    auto consumer = std::make_unique<eprosima::fastdds::dds::StdoutErrConsumer>();
+    consumer->stderr_threshold(Log::Kind::Info);
+    Log::ClearConsumers();
+    Log::RegisterConsumer(std::move(consumer));
+  });
+}
+
+}  // namespace
+
+Result<Participant> Participant::Join(const std::string& name, const DdsOptions& options,
+                                      ProblemHandler on_problem) {
+  if (const std::string problem = FindOptionProblem(options); !problem.empty())
+    return InvalidInput("DDS: " + problem);
+  const auto qos = dds_internal::MakeParticipantQos(name, options);
+  if (!qos.ok()) return qos.error();
+  KeepLibraryOffStandardOutput();
+  auto* participant = eprosima::fastdds::dds::DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<std::uint32_t>(options.domain_id), qos.value(), nullptr,
+      eprosima::fastdds::dds::StatusMask::none());
+  if (participant == nullptr) {
+    return Error{Error::Code::kUnavailable,
+                 "cannot join DDS domain " + std::to_string(options.domain_id) +
+                     ": check that the interfaces of the configuration exist (soffit doctor)"};
+  }
+  return Participant(
+      std::make_shared<dds_internal::Bus>(participant, options.flow_bytes_per_ms > 0, std::move(on_problem)));
+}
+
+}  // namespace soffit

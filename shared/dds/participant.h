@@ -1,0 +1,61 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "shared/options/options.h"
+#include "shared/result/result.h"
+
+namespace soffit {
+
+/// How a program takes part in one DDS domain.
+struct DdsOptions {
+  int domain_id = 0;
+  bool udp_only = false;
+  std::vector<std::string> interfaces;
+  std::vector<std::string> peers;
+  int flow_bytes_per_ms = 0;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& field) {
+    field("domain_id", self.domain_id, OptionInfo{0, 230, "", "DDS domain"});
+    field("udp_only", self.udp_only, OptionInfo{0, 0, "", "No shared memory: what a radio link needs"});
+    field("interfaces", self.interfaces,
+          OptionInfo{0, 0, "", "IPv4 addresses of the only interfaces to use; empty: all (with udp_only)"});
+    field("peers", self.peers,
+          OptionInfo{0, 0, "", "Hosts to look for where there is no multicast; empty: multicast"});
+    field("flow_bytes_per_ms", self.flow_bytes_per_ms,
+          OptionInfo{0, 1000000, "B/ms",
+                     "Budget of all large data, about 80 % of the link (2800: 28 Mbit/s); 0: no limit"});
+  }
+};
+
+namespace dds_internal {
+class Bus;
+}
+
+/// A member of one DDS domain. Readers and writers that are made from it may outlive it.
+///
+/// All callbacks of its readers, and `on_problem`, run on one thread of the participant, one after another;
+/// `on_problem` also runs in a writer's Write(). A callback has to return soon, and must not destroy a reader
+/// or writer of the same participant.
+class Participant {
+ public:
+  using ProblemHandler = std::function<void(const std::string&)>;
+
+  /// @param on_problem  Told in words of malformed messages, of peers whose types or quality of service do
+  /// not fit, and
+  ///                    of failed writes. May be called often.
+  static Result<Participant> Join(const std::string& name, const DdsOptions& options,
+                                  ProblemHandler on_problem);
+
+  const std::shared_ptr<dds_internal::Bus>& bus() const { return bus_; }
+
+ private:
+  explicit Participant(std::shared_ptr<dds_internal::Bus> bus) : bus_(std::move(bus)) {}
+  std::shared_ptr<dds_internal::Bus> bus_;
+};
+
+}  // namespace soffit

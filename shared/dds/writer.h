@@ -1,0 +1,95 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "shared/dds/bus.h"
+
+namespace soffit {
+
+/// Sends values of one topic. Thread-safe.
+template <class Topic>
+class Writer {
+ public:
+  using Value = typename Topic::Value;
+
+  /// Throws std::runtime_error when the library refuses to make it.
+  explicit Writer(const Participant& participant) : core_(std::make_unique<Core>(participant.bus())) {}
+
+  /// False when the value was not taken: a kPicture topic whose link is full (drop the picture, or try again
+  /// later), or a failure that `on_problem` was told. Returns soon (kPicture: within 50 ms).
+  bool Write(const Value& value) {
+    auto message = Topic::ToWire(value);
+    const auto code = core_->writer->write(&message, eprosima::fastdds::dds::InstanceHandle_t());
+    return core_->WasTaken(code);
+  }
+
+  /// Tells the readers that what `value` has the key of is no more.
+  void Dispose(const Value& value) {
+    auto message = Topic::ToWire(value);
+    core_->writer->dispose(&message, eprosima::fastdds::dds::InstanceHandle_t());
+  }
+
+  /// False when a reader has not acknowledged everything within `timeout`.
+  bool WaitForAcknowledgements(std::chrono::milliseconds timeout) {
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
+    const std::chrono::nanoseconds rest = timeout - seconds;
+    return core_->writer->wait_for_acknowledgments(
+               {static_cast<std::int32_t>(seconds.count()), static_cast<std::uint32_t>(rest.count())}) ==
+           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+  }
+
+  int matched_readers() const { return core_->matched(); }
+  bool WaitForReader(std::chrono::milliseconds timeout) { return core_->WaitForMatch(timeout); }
+
+ private:
+  using ReturnCode = eprosima::fastrtps::types::ReturnCode_t;
+  using StatusMask = eprosima::fastdds::dds::StatusMask;
+
+  struct Core : dds_internal::Endpoint {
+    explicit Core(std::shared_ptr<dds_internal::Bus> its_bus)
+        : bus(std::move(its_bus)),
+          writer(bus->MakeWriter(Topic::kName,
+                                 eprosima::fastdds::dds::TypeSupport(
+                                     new dds_internal::GuardedSupport<typename Topic::Support>()),
+                                 Topic::kKind)) {
+      auto& condition = writer->get_statuscondition();
+      StatusMask statuses = StatusMask::none();
+      statuses << StatusMask::publication_matched() << StatusMask::offered_incompatible_qos();
+      condition.set_enabled_statuses(statuses);
+      bus->Attach(condition, *this);
+    }
+    ~Core() override {
+      bus->Withdraw(writer->get_statuscondition());
+      bus->Remove(writer);
+    }
+
+    void Serve() override {
+      eprosima::fastdds::dds::PublicationMatchedStatus match;
+      if (writer->get_publication_matched_status(match) == ReturnCode::RETCODE_OK)
+        this->SetMatched(match.current_count);
+      eprosima::fastdds::dds::OfferedIncompatibleQosStatus misfit;
+      if (writer->get_offered_incompatible_qos_status(misfit) == ReturnCode::RETCODE_OK &&
+          misfit.total_count_change > 0) {
+        bus->Report(std::string(Topic::kName) + ": a reader asks for more than this writer offers: " +
+                    dds_internal::DescribeIncompatibleQos(static_cast<int>(misfit.last_policy_id)));
+      }
+    }
+
+    bool WasTaken(const ReturnCode& code) const {
+      if (code == ReturnCode::RETCODE_OK) return true;
+      const bool is_full = code == ReturnCode::RETCODE_TIMEOUT && Topic::kKind == TopicKind::kPicture;
+      if (!is_full)
+        bus->Report(std::string(Topic::kName) + ": could not be sent (DDS return code " +
+                    std::to_string(code()) + ")");
+      return false;
+    }
+
+    std::shared_ptr<dds_internal::Bus> bus;
+    eprosima::fastdds::dds::DataWriter* writer;
+  };
+
+  std::unique_ptr<Core> core_;
+};
+
+}  // namespace soffit
