@@ -1,0 +1,132 @@
+#include "service/edge/drawing/overlay.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "service/edge/drawing/canvas.h"
+#include "service/edge/drawing/shapes.h"
+
+namespace soffit {
+namespace {
+
+const Stroke kContour{ink::kWhite, 1.0, true};
+const Stroke kBuilding{ink::kSky, 2.0, false};
+const Stroke kWanted{ink::kYellow, 3.0, false};
+const Stroke kThrough{ink::kGreen, 3.0, false};
+const Stroke kRecess{ink::kPurple, 3.0, true};
+const Stroke kClear{ink::kBlue, 3.0, false};
+const Stroke kRefused{ink::kVermilion, 3.0, true};
+
+const std::vector<LegendEntry>& Legend() {
+  static const std::vector<LegendEntry> legend = {
+      {kContour, "outline of the colour"}, {kBuilding, "building of the map"}, {kWanted, "wanted building"},
+      {kThrough, "opening, goes through"}, {kRecess, "opening, a recess"},     {kClear, "corridor, CLEAR"},
+      {kRefused, "corridor, refused"}};
+  return legend;
+}
+
+class Overlay {
+ public:
+  Overlay(const Observation& seen, const Understanding& all)
+      : seen_(seen), all_(all), view_(seen.image.view), canvas_(seen.image.bgr) {}
+
+  cv::Mat3b Draw() {
+    for (const Outline& outline : seen_.outlines) DrawOutline(outline);
+    for (const SceneObject& object : all_.scene.objects) DrawObject(object);
+    for (const Solid& solid : all_.scene.solids) DrawOpenings(solid);
+    for (const ClearanceDecision& decision : all_.decisions) DrawDecision(decision);
+    for (const SceneObject& object : all_.scene.objects) LabelObject(object);
+    return AddCaption(canvas_.picture(), Title(), Lines(), Legend());
+  }
+
+ private:
+  void Draw3d(const std::vector<Eigen::Vector3d>& line, const Stroke& stroke, bool is_closed) {
+    for (const PixelLine& piece : ProjectLine(view_, line, is_closed)) canvas_.DrawLine(piece, stroke);
+  }
+
+  bool IsFacing(const std::vector<Eigen::Vector3d>& ring) const {
+    return PolygonNormal(ring).dot(view_.map_from_camera.translation_m - ring.front()) > 0.0;
+  }
+
+  void DrawOutline(const Outline& outline) {
+    canvas_.DrawLine(outline.polygon_px.outer, kContour, true);
+    for (const Ring& hole : outline.polygon_px.holes) canvas_.DrawLine(hole, kContour, true);
+  }
+
+  void DrawObject(const SceneObject& object) {
+    const Footprint& footprint = object.footprint;
+    const Stroke& stroke = object.is_matched ? kWanted : kBuilding;
+    std::vector<Ring> rings = footprint.polygon_in_map_m.holes;
+    rings.push_back(footprint.polygon_in_map_m.outer);
+    for (const Ring& ring : rings) {
+      Draw3d(Lift(ring, footprint.height_m), stroke, true);
+      for (std::size_t i = 0; i < ring.size() && footprint.height_m > 0.0; ++i) {
+        const std::vector<Eigen::Vector3d> wall = WallOver(ring, i, footprint.height_m);
+        if (IsFacing(wall)) Draw3d(wall, stroke, true);
+      }
+    }
+  }
+
+  void LabelObject(const SceneObject& object) {
+    const Eigen::Vector2d middle = Centroid(object.footprint.polygon_in_map_m);
+    const auto pixel = Project(view_, {middle.x(), middle.y(), object.footprint.height_m});
+    if (!pixel || !cv::Rect({0, 0}, canvas_.size()).contains(cv::Point2d(pixel->x(), pixel->y()))) return;
+    std::string text = std::to_string(object.footprint.object_id);
+    if (object.footprint.height_m > 0.0) text += "  h " + FormatNumber(object.footprint.height_m, 2) + " m";
+    if (object.is_matched) text = "WANTED " + text;
+    canvas_.DrawLabel(*pixel, text, object.is_matched ? kWanted.color : kBuilding.color);
+  }
+
+  void DrawOpenings(const Solid& solid) {
+    for (const SolidOpening& opening : solid.openings) {
+      if (!IsFacing(opening.polygon_in_map_m)) continue;
+      const Stroke& stroke = opening.is_through ? kThrough : kRecess;
+      canvas_.Fill({ProjectPolygon(view_, opening.polygon_in_map_m)}, stroke.color, 0.25);
+      Draw3d(opening.polygon_in_map_m, stroke, true);
+    }
+  }
+
+  void DrawDecision(const ClearanceDecision& decision) {
+    if (!decision.corridor) return;
+    const bool is_clear = decision.verdict == Verdict::kClear;
+    const Stroke& stroke = is_clear ? kClear : kRefused;
+    for (const auto& edge : BoxEdges(CorridorBox(*decision.corridor))) Draw3d({edge.first, edge.second}, stroke, false);
+    const Eigen::Vector3d& entry = decision.corridor->entry_in_map_m;
+    const Eigen::Vector3d& exit = decision.corridor->exit_in_map_m;
+    for (const PixelLine& line : ProjectLine(view_, {entry, exit}, false)) {
+      canvas_.DrawArrow(line.front(), line.back(), stroke);
+    }
+  }
+
+  std::string Title() const {
+    return seen_.image.name + "  (" + ToString(seen_.image.purpose) + ", picture " +
+           std::to_string(seen_.image.capture_id) + ")";
+  }
+
+  std::vector<std::string> Lines() const {
+    std::vector<std::string> lines;
+    for (const SceneObject& object : all_.scene.objects) {
+      if (!object.is_matched) continue;
+      lines.push_back("Building " + std::to_string(object.footprint.object_id) + " is wanted: score " +
+                      FormatNumber(object.match.score, 3) + ", turned clockwise by " +
+                      FormatNumber(object.match.rotation_cw_rad * 180.0 / std::numbers::pi, 1) + " deg, " +
+                      FormatNumber(object.match.scale, 4) + " m per pixel of the reference");
+    }
+    for (const ClearanceDecision& decision : all_.decisions) lines.push_back(Describe(decision));
+    for (const std::string& problem : all_.problems) lines.push_back(problem);
+    return lines;
+  }
+
+  const Observation& seen_;
+  const Understanding& all_;
+  const View& view_;
+  Canvas canvas_;
+};
+
+}  // namespace
+
+cv::Mat3b DrawOverlay(const Observation& seen, const Understanding& understanding) {
+  return Overlay(seen, understanding).Draw();
+}
+
+}  // namespace soffit
