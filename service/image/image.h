@@ -1,6 +1,8 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <string>
+#include <vector>
 
 #include "shared/capture/capture.h"
 #include "shared/options/options.h"
@@ -14,8 +16,8 @@ struct Image {
   std::string name;
   Purpose purpose = Purpose::kUnknown;
   bool has_trusted_pose = false;
-  cv::Mat3b bgr;   ///< Never empty. Pixels that the lens did not see are black and lie outside `seen`.
-  cv::Rect seen;   ///< The greatest rectangle in which every pixel was seen.
+  cv::Mat3b bgr;   ///< Never empty.
+  cv::Rect seen;   ///< The rectangle in which every pixel was seen by the lens. Never empty.
   View view;
 };
 
@@ -32,10 +34,13 @@ struct ImageOptions {
   }
 };
 
-/// Decodes and undistorts a picture.
-///
-/// Only JPEG and PNG, told by their magic; the size in the header is checked before anything is decoded. Greyscale,
-/// 16-bit, CMYK and alpha are turned to 8-bit BGR. The size has to be that of the intrinsics.
+/// Decodes a JPEG or PNG, told by its magic. Size, scans and completeness are checked before anything is decoded.
+/// Greyscale, 16-bit, CMYK and alpha are turned to 8-bit BGR; an orientation tag is not followed. An error says
+/// what is wrong. Pure; O(pixels).
+Result<cv::Mat3b> DecodePicture(const std::vector<std::uint8_t>& bytes, const ImageOptions& options);
+
+/// Decodes and undistorts a picture. Its size has to be that of the intrinsics, and its pose finite.
+/// The undistorted camera is zoomed so that the lens saw all of its pixels; none is made up.
 /// Errors name the picture and what is wrong with it. Pure; O(pixels).
 Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options);
 

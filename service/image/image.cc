@@ -1,0 +1,146 @@
+#include "service/image/image.h"
+
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <sstream>
+
+#include "service/image/picture_header.h"
+
+namespace soffit {
+namespace {
+
+std::string SizeText(std::int64_t width_px, std::int64_t height_px) {
+  return std::to_string(width_px) + " x " + std::to_string(height_px) + " pixels";
+}
+
+Status CheckHeader(const PictureHeader& header, const ImageOptions& options) {
+  const double megapixels = static_cast<double>(header.width_px) * static_cast<double>(header.height_px) * 1e-6;
+  if (!(megapixels > 0.0)) return InvalidInput("it has no pixels");
+  if (!(megapixels <= options.max_megapixels)) {
+    std::ostringstream text;
+    text << "it claims " << SizeText(header.width_px, header.height_px) << ", more than " << options.max_megapixels
+         << " megapixels (image.max_megapixels)";
+    return Error{Error::Code::kTooLarge, text.str()};
+  }
+  if (header.scans > options.max_scans) {
+    return Error{Error::Code::kTooLarge, "it has " + std::to_string(header.scans) + " scans, more than " +
+                                             std::to_string(options.max_scans) + " (image.max_scans)"};
+  }
+  return OkStatus();
+}
+
+bool IsFinite(const Pose<Map, Camera>& pose) {
+  return pose.translation_m.allFinite() && pose.rotation.coeffs().allFinite() &&
+         std::abs(pose.rotation.norm() - 1.0) < 1e-3;
+}
+
+/// Whether points farther from the axis are seen farther from the centre, out to the corners; else the polynomial
+/// folds the picture over itself and has no inverse.
+bool IsDistortionInvertible(const Intrinsics& k) {
+  const double x = std::max(k.cx_px, k.width_px - 1 - k.cx_px) / k.fx_px;
+  const double y = std::max(k.cy_px, k.height_px - 1 - k.cy_px) / k.fy_px;
+  const double farthest = x * x + y * y;
+  for (int i = 0; i <= 50; ++i) {
+    const double r2 = farthest * i / 50.0;
+    const double slope =
+        1.0 + r2 * (3.0 * k.distortion[0] + r2 * (5.0 * k.distortion[1] + r2 * 7.0 * k.distortion[4]));
+    if (!(slope > 0.05)) return false;
+  }
+  return true;
+}
+
+cv::Matx33d CameraMatrix(const Intrinsics& k) {
+  return {k.fx_px, 0.0, k.cx_px, 0.0, k.fy_px, k.cy_px, 0.0, 0.0, 1.0};
+}
+
+bool HasDistortion(const Intrinsics& k) {
+  for (const double d : k.distortion) {
+    if (d != 0.0) return true;
+  }
+  return false;
+}
+
+Intrinsics WithoutDistortion(const Intrinsics& k) {
+  const cv::Size size(k.width_px, k.height_px);
+  const cv::Mat ideal = cv::getOptimalNewCameraMatrix(CameraMatrix(k), k.distortion, size, 0.0, size);
+  Intrinsics result = k;
+  result.distortion.fill(0.0);
+  result.fx_px = ideal.at<double>(0, 0);
+  result.fy_px = ideal.at<double>(1, 1);
+  result.cx_px = ideal.at<double>(0, 2);
+  result.cy_px = ideal.at<double>(1, 2);
+  return result;
+}
+
+cv::Mat3b Undistort(const cv::Mat3b& picture, const Intrinsics& distorted, const Intrinsics& ideal) {
+  cv::Mat x, y;
+  cv::initUndistortRectifyMap(CameraMatrix(distorted), distorted.distortion, cv::noArray(), CameraMatrix(ideal),
+                              picture.size(), CV_32FC1, x, y);
+  cv::Mat3b result;
+  cv::remap(picture, result, x, y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return result;
+}
+
+}  // namespace
+
+Result<cv::Mat3b> DecodePicture(const std::vector<std::uint8_t>& bytes, const ImageOptions& options) {
+  SOFFIT_EXPECT(IsValidOptions(options));
+  if (bytes.empty()) return InvalidInput("it is empty");
+  if (bytes.size() > static_cast<std::size_t>(options.max_bytes)) {
+    return Error{Error::Code::kTooLarge, "it has " + std::to_string(bytes.size()) + " bytes, more than " +
+                                             std::to_string(options.max_bytes) + " (image.max_bytes)"};
+  }
+  const Result<PictureHeader> header = ReadPictureHeader(bytes);
+  if (!header.ok()) return header.error();
+  if (const Status status = CheckHeader(header.value(), options); !status.ok()) return status.error();
+  cv::Mat decoded;
+  try {
+    decoded = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+    decoded.release();
+  }
+  if (decoded.empty() || decoded.cols != header.value().width_px || decoded.rows != header.value().height_px) {
+    return InvalidInput("its content is damaged");
+  }
+  return cv::Mat3b(decoded);
+}
+
+Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options) {
+  const std::string who =
+      "picture " + (capture.name.empty() ? std::to_string(capture.capture_id) : "'" + capture.name + "'") + ": ";
+  const Intrinsics& k = capture.intrinsics;
+  if (!IsValid(k)) return InvalidInput(who + "its camera intrinsics are not valid");
+  if (!IsFinite(capture.map_from_camera)) return InvalidInput(who + "its pose is not a finite rotation and position");
+  if (!(capture.position_std_m >= 0.0) || !std::isfinite(capture.position_std_m) ||
+      !(capture.orientation_std_rad >= 0.0) || !std::isfinite(capture.orientation_std_rad)) {
+    return InvalidInput(who + "the standard deviations of its pose are not finite and >= 0");
+  }
+  if (!IsDistortionInvertible(k)) return InvalidInput(who + "its distortion folds the picture over itself");
+  Result<cv::Mat3b> picture = DecodePicture(capture.bytes, options);
+  if (!picture.ok()) return Error{picture.error().code, who + picture.error().message};
+  const cv::Mat3b& bgr = picture.value();
+  if (bgr.cols != k.width_px || bgr.rows != k.height_px) {
+    return InvalidInput(who + "it has " + SizeText(bgr.cols, bgr.rows) + ", its intrinsics are for " +
+                        SizeText(k.width_px, k.height_px));
+  }
+
+  Image image;
+  image.capture_id = capture.capture_id;
+  image.name = capture.name;
+  image.purpose = capture.purpose;
+  image.has_trusted_pose = capture.has_trusted_pose;
+  image.view = {k, capture.map_from_camera, capture.position_std_m, capture.orientation_std_rad};
+  image.view.map_from_camera.rotation.normalize();
+  image.seen = cv::Rect(0, 0, bgr.cols, bgr.rows);
+  image.bgr = bgr;
+  if (HasDistortion(k)) {
+    image.view.intrinsics = WithoutDistortion(k);
+    if (!IsValid(image.view.intrinsics)) return InvalidInput(who + "its distortion cannot be taken out");
+    image.bgr = Undistort(bgr, k, image.view.intrinsics);
+  }
+  return image;
+}
+
+}  // namespace soffit
