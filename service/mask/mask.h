@@ -20,7 +20,7 @@ struct MaskOptions {
   std::vector<std::string> colors = {"red", "blue", "yellow"};
   int median_px = 7;
   double gamma = 1.0;
-  double min_saturation = 0.35;
+  double min_saturation = 0.45;
   double min_value = 0.10;
 
   template <class Self, class Visitor>
@@ -28,7 +28,7 @@ struct MaskOptions {
     field("colors", self.colors, OptionInfo{0, 0, "", "Colours of buildings: red orange yellow green cyan blue magenta"});
     field("median_px", self.median_px, OptionInfo{1, 15, "px", "Median filter against noise, odd (paper: 7)"});
     field("gamma", self.gamma, OptionInfo{0.2, 5.0, "", "Gamma correction before the colour extraction"});
-    field("min_saturation", self.min_saturation, OptionInfo{0.0, 1.0, "", "Less saturated pixels are background"});
+    field("min_saturation", self.min_saturation, OptionInfo{0.0, 1.0, "", "Less saturated pixels are background, where the picture itself does not tell better"});
     field("min_value", self.min_value, OptionInfo{0.0, 1.0, "", "Darker pixels are background"});
   }
 };

@@ -1,0 +1,154 @@
+#include "service/mask/mask.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "shared/result/result.h"
+
+namespace soffit {
+namespace {
+
+struct HueRange {
+  const char* color;
+  double from_deg;  ///< Included; the range may run through 360.
+  double to_deg;    ///< Excluded.
+};
+
+/// Every hue belongs to one colour. Ochre ground lies in `yellow` and sky in `blue`: saturation tells them apart.
+constexpr std::array<HueRange, 7> kHueRanges = {{{"red", 340.0, 18.0},
+                                                 {"orange", 18.0, 36.0},
+                                                 {"yellow", 36.0, 66.0},
+                                                 {"green", 66.0, 160.0},
+                                                 {"cyan", 160.0, 204.0},
+                                                 {"blue", 204.0, 262.0},
+                                                 {"magenta", 262.0, 340.0}}};
+
+constexpr int kHues = 256;  // HSV_FULL
+constexpr double kMinModeDistance = 0.18;
+constexpr double kMaxSaturationThreshold = 0.60;
+
+const HueRange* FindHueRange(const std::string& color) {
+  const auto found = std::find_if(kHueRanges.begin(), kHueRanges.end(),
+                                  [&](const HueRange& range) { return color == range.color; });
+  return found == kHueRanges.end() ? nullptr : &*found;
+}
+
+bool Holds(const HueRange& range, double hue_deg) {
+  if (range.from_deg <= range.to_deg) return hue_deg >= range.from_deg && hue_deg < range.to_deg;
+  return hue_deg >= range.from_deg || hue_deg < range.to_deg;
+}
+
+/// For each hue, the 1-based class that it belongs to, or 0.
+std::array<std::uint8_t, kHues> ClassOfHue(const std::vector<std::string>& colors) {
+  std::array<std::uint8_t, kHues> table{};
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    const HueRange* range = FindHueRange(colors[i]);
+    SOFFIT_EXPECT(range != nullptr);
+    for (int hue = 0; hue < kHues; ++hue) {
+      if (Holds(*range, hue * 360.0 / kHues)) table[static_cast<std::size_t>(hue)] = static_cast<std::uint8_t>(i + 1);
+    }
+  }
+  return table;
+}
+
+cv::Mat3b CorrectGamma(const cv::Mat3b& picture, double gamma) {
+  if (gamma == 1.0) return picture;
+  cv::Mat1b table(1, 256);
+  for (int i = 0; i < 256; ++i) table(i) = cv::saturate_cast<uchar>(255.0 * std::pow(i / 255.0, 1.0 / gamma));
+  cv::Mat3b corrected;
+  cv::LUT(picture, table, corrected);
+  return corrected;
+}
+
+struct Separation {
+  double threshold = 0.0;   ///< Saturation, 0 to 1.
+  double confidence = 0.0;  ///< 0 to 1.
+};
+
+/// Where to part the saturations of one hue class: ground and sky below, painted buildings above (N. Otsu, "A threshold
+/// selection method from gray-level histograms", IEEE SMC 9(1), 1979). With a single mode there is nothing to part,
+/// and `fallback` decides on which side it lies.
+Separation PartSaturations(const std::array<double, 256>& histogram, double fallback) {
+  double count = 0.0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < histogram.size(); ++i) {
+    count += histogram[i];
+    sum += histogram[i] * static_cast<double>(i);
+  }
+  if (count <= 0.0) return {fallback, 1.0};
+  double best = -1.0;
+  double low_mean = 0.0;
+  double high_mean = 0.0;
+  double low_count = 0.0;
+  double low_sum = 0.0;
+  for (std::size_t i = 0; i + 1 < histogram.size(); ++i) {
+    low_count += histogram[i];
+    low_sum += histogram[i] * static_cast<double>(i);
+    const double high_count = count - low_count;
+    if (low_count <= 0.0 || high_count <= 0.0) continue;
+    const double low = low_sum / low_count;
+    const double high = (sum - low_sum) / high_count;
+    const double between = low_count * high_count * (high - low) * (high - low);
+    if (between > best) {
+      best = between;
+      low_mean = low / 255.0;
+      high_mean = high / 255.0;
+    }
+  }
+  const double distance = high_mean - low_mean;
+  if (best < 0.0 || distance < kMinModeDistance || high_mean < fallback) {
+    const double mean = sum / count / 255.0;
+    return {fallback, std::min(1.0, std::abs(mean - fallback) / 0.2)};
+  }
+  return {std::clamp(0.5 * (low_mean + high_mean), 0.75 * fallback, kMaxSaturationThreshold),
+          std::min(1.0, distance / 0.4)};
+}
+
+}  // namespace
+
+Mask SegmentBuildings(const Image& image, const MaskOptions& options) {
+  SOFFIT_EXPECT(IsValidOptions(options));
+  SOFFIT_EXPECT(options.median_px % 2 == 1);
+  SOFFIT_EXPECT(!image.bgr.empty());
+  const std::array<std::uint8_t, kHues> class_of_hue = ClassOfHue(options.colors);
+
+  cv::Mat3b hsv;
+  cv::medianBlur(image.bgr, hsv, options.median_px);
+  hsv = CorrectGamma(hsv, options.gamma);
+  cv::cvtColor(hsv, hsv, cv::COLOR_BGR2HSV_FULL);
+
+  Mask mask;
+  mask.classes = options.colors;
+  mask.label = cv::Mat1b(hsv.size(), uchar{0});
+  const int min_value = static_cast<int>(std::lround(255.0 * options.min_value));
+  std::vector<std::array<double, 256>> saturations(options.colors.size() + 1);
+  for (auto& histogram : saturations) histogram.fill(0.0);
+  for (int row = 0; row < hsv.rows; ++row) {
+    for (int col = 0; col < hsv.cols; ++col) {
+      const cv::Vec3b& pixel = hsv(row, col);
+      const std::uint8_t label = class_of_hue[pixel[0]];
+      if (label == 0 || pixel[2] < min_value) continue;
+      mask.label(row, col) = label;
+      if (pixel[1] >= 25) saturations[label][pixel[1]] += pixel[2] / 255.0;  // Dark pixels tell less.
+    }
+  }
+
+  std::vector<int> threshold(options.colors.size() + 1, 256);
+  mask.confidence = 1.0;
+  for (std::size_t i = 1; i < threshold.size(); ++i) {
+    const Separation separation = PartSaturations(saturations[i], options.min_saturation);
+    threshold[i] = static_cast<int>(std::lround(255.0 * separation.threshold));
+    mask.confidence = std::min(mask.confidence, separation.confidence);
+  }
+  for (int row = 0; row < hsv.rows; ++row) {
+    for (int col = 0; col < hsv.cols; ++col) {
+      std::uint8_t& label = mask.label(row, col);
+      if (hsv(row, col)[1] < threshold[label]) label = 0;
+    }
+  }
+  return mask;
+}
+
+}  // namespace soffit
