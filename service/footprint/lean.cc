@@ -1,0 +1,362 @@
+#include "service/footprint/lean.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace soffit::lean {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kOutlineStd_px = 0.5;
+constexpr double kMinSine = 0.15;          ///< Flatter corners are not intersected.
+constexpr double kHighestRatio = 0.9;      ///< Of the camera's height: no building reaches nearer to it.
+constexpr int kSamples = 96;               ///< On each outline, to compare two of them.
+constexpr double kIndependentSamples = 6;  ///< That many of them err by themselves: about one for each side.
+
+double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+Vector2d Nadir(const View& view) { return view.map_from_camera.translation_m.head<2>(); }
+double CameraHeight(const View& view) { return view.map_from_camera.translation_m.z(); }
+
+/// The ring on the ground, turned to be counter-clockwise (outer) or clockwise (hole). Empty when a corner's ray does
+/// not meet the ground.
+Ring OnGround(const View& view, const Ring& ring_px, bool is_hole) {
+  Ring ring;
+  for (const Vector2d& pixel : ring_px) {
+    const auto p = MeetHorizontalPlane(view, pixel, 0.0);
+    if (!p) return {};
+    ring.push_back(*p);
+  }
+  if ((SignedArea(ring) < 0.0) != is_hole) std::reverse(ring.begin(), ring.end());
+  return ring;
+}
+
+enum class Side { kBase, kRoof, kRadial };
+
+/// What each side of a silhouette is: seen from the nadir, walls face it and roofs end away from it.
+std::vector<Side> ClassifySides(const Ring& ring, const Vector2d& nadir, double noise_m) {
+  std::vector<Side> sides;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vector2d a = ring[i] - nadir;
+    const Vector2d b = ring[(i + 1) % ring.size()] - nadir;
+    const Vector2d side = b - a;
+    const double offset = std::abs(Cross(a, side)) / std::max(side.norm(), 1e-12);  // Of its line from the nadir.
+    const double reach = std::min(a.norm(), b.norm());
+    const double tolerance = 0.04 + 1.5 * noise_m / std::max(side.norm(), 1e-12);
+    const bool points_away = a.dot(side) * b.dot(side) > 0.0;
+    if (points_away && offset < reach * std::min(tolerance, 0.5)) {
+      sides.push_back(Side::kRadial);
+    } else {
+      sides.push_back(Cross(a, side) > 0.0 ? Side::kRoof : Side::kBase);  // Outward is to the right of the side.
+    }
+  }
+  return sides;
+}
+
+struct StraightLine {
+  Vector2d point;
+  Vector2d direction;
+};
+
+std::optional<Vector2d> Meet(const StraightLine& a, const StraightLine& b) {
+  const double sine = Cross(a.direction, b.direction);
+  if (std::abs(sine) < kMinSine) return std::nullopt;
+  return a.point + a.direction * (Cross(b.point - a.point, b.direction) / sine);
+}
+
+/// One ring relative to the nadir; `shrink` = 1 / s.
+Ring StraightenRing(const Ring& ring, const std::vector<Side>& sides, double shrink, double noise_m) {
+  const std::size_t n = ring.size();
+  const auto factor = [&](Side side) { return side == Side::kRoof ? shrink : 1.0; };
+  const auto line = [&](std::size_t i) {
+    const double k = factor(sides[i]);
+    return StraightLine{k * ring[i], (ring[(i + 1) % n] - ring[i]).normalized()};
+  };
+  struct Corner {
+    Vector2d point;
+    std::size_t before, after;  ///< The sides that meet there.
+  };
+  std::vector<Corner> corners;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t before = (i + n - 1) % n;
+    const Side a = sides[before];
+    const Side b = sides[i];
+    const bool meets_roof = a == Side::kRoof || b == Side::kRoof;
+    const bool meets_base = a == Side::kBase || b == Side::kBase;
+    if (!(meets_roof && meets_base)) {
+      corners.push_back({(meets_roof ? shrink : 1.0) * ring[i], before, i});
+      continue;
+    }
+    const auto meeting = Meet(line(before), line(i));
+    const double jump = (1.0 - shrink) * ring[i].norm();
+    if (meeting && (*meeting - ring[i]).norm() <= 2.0 * jump + 4.0 * noise_m) {
+      corners.push_back({*meeting, before, i});
+    } else if (jump < 2.0 * noise_m) {
+      corners.push_back({0.5 * (1.0 + shrink) * ring[i], before, i});
+    } else {
+      corners.push_back({factor(a) * ring[i], before, i});
+      corners.push_back({factor(b) * ring[i], before, i});
+    }
+  }
+  // What is left of a radial side of the right height is its noise: its ends become one corner again.
+  Ring straight;
+  const std::size_t m = corners.size();
+  std::vector<bool> is_taken(m, false);
+  for (std::size_t i = 0; i < m; ++i) {
+    const Corner& a = corners[i];
+    const Corner& b = corners[(i + 1) % m];
+    const bool is_radial = a.after == b.before && sides[a.after] == Side::kRadial;
+    const double length = (a.point - b.point).norm();
+    const double gone = (1.0 - shrink) * std::max(a.point.norm(), b.point.norm());
+    if (is_radial && m > 3 && !is_taken[i] && !is_taken[(i + 1) % m] &&
+        length < 4.0 * noise_m + 0.25 * gone) {
+      const auto meeting = Meet(line(a.before), line(b.after));
+      const Vector2d middle = 0.5 * (a.point + b.point);
+      const bool is_near = meeting && (*meeting - middle).norm() < length + 4.0 * noise_m;
+      straight.push_back(is_near ? *meeting : middle);
+      is_taken[i] = is_taken[(i + 1) % m] = true;
+    } else if (!is_taken[i]) {
+      straight.push_back(a.point);
+    }
+  }
+  if (is_taken[0] && is_taken[m - 1] && corners[m - 1].after == corners[0].before &&
+      sides[corners[0].before] == Side::kRadial && straight.size() > 3 &&
+      (straight.front() - corners[0].point).norm() < 1e-12) {
+    straight.erase(straight.begin());
+  }
+  return straight;
+}
+
+/// Corners that hardly bend the ring are none.
+Ring WithoutFlatCorners(Ring ring, double tolerance_m) {
+  for (std::size_t i = 0; ring.size() > 3 && i < ring.size();) {
+    const Vector2d& a = ring[(i + ring.size() - 1) % ring.size()];
+    const Vector2d& b = ring[(i + 1) % ring.size()];
+    if (DistanceToSegment(ring[i], a, b) < tolerance_m) {
+      ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
+      i = i > 0 ? i - 1 : 0;
+    } else {
+      ++i;
+    }
+  }
+  return ring;
+}
+
+std::vector<Vector2d> SampleRing(const Ring& ring, int count) {
+  std::vector<Vector2d> points;
+  const double step = Perimeter(ring) / count;
+  double at = 0.5 * step;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vector2d side = ring[(i + 1) % ring.size()] - ring[i];
+    const double length = side.norm();
+    for (; at < length; at += step) points.push_back(ring[i] + side * (at / length));
+    at -= length;
+  }
+  return points;
+}
+
+/// Mean squared distance between two outlines, both ways.
+double MeanSquaredDistance(const Ring& a, const Ring& b, const Vector2d& b_offset) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (const Vector2d& p : SampleRing(a, kSamples)) {
+    const double d = DistanceToRing(p - b_offset, b);
+    sum += d * d;
+    count += 1.0;
+  }
+  for (const Vector2d& p : SampleRing(b, kSamples)) {
+    const double d = DistanceToRing(p + b_offset, a);
+    sum += d * d;
+    count += 1.0;
+  }
+  return sum / std::max(1.0, count);
+}
+
+double PositionStd(const Silhouette& s) {
+  return std::hypot(s.view.position_std_m, CameraHeight(s.view) * s.view.orientation_std_rad);
+}
+
+/// How far an outline at `height_m` may be off by its pixels and by the camera's height.
+double OutlineStd(const Silhouette& s, const Polygon& at_height, double height_m) {
+  const double size_m = std::sqrt(std::max(1e-12, SignedArea(at_height.outer)));
+  const double scale_std = s.view.position_std_m / (CameraHeight(s.view) - height_m);
+  return std::hypot(kOutlineStd_px * GroundSampling_m(s), 0.5 * size_m * scale_std);
+}
+
+/// Half of chi squared, at one height, of all pairs of silhouettes and of the priors.
+class Disagreement {
+ public:
+  Disagreement(const std::vector<Silhouette>& silhouettes, const std::vector<Estimate>& priors)
+      : silhouettes_(silhouettes), priors_(priors) {}
+
+  double operator()(double height_m) const {
+    double sum = 0.0;
+    std::vector<Polygon> polygons;
+    for (const Silhouette& s : silhouettes_) polygons.push_back(Straighten(s, height_m));
+    for (std::size_t i = 0; i < polygons.size(); ++i) {
+      for (std::size_t j = i + 1; j < polygons.size(); ++j) sum += Pair(i, j, polygons[i], polygons[j], height_m);
+    }
+    for (const Estimate& prior : priors_) {  // Cauchy: a side of the building that happens to be radial misleads.
+      const double error = (height_m - prior.value) / prior.std;
+      sum += 2.0 * std::log1p(0.25 * error * error);
+    }
+    return sum;
+  }
+
+ private:
+  double Pair(std::size_t i, std::size_t j, const Polygon& a, const Polygon& b, double height_m) const {
+    constexpr double kHopeless = 1e6;
+    if (a.outer.empty() || b.outer.empty()) return kHopeless;
+    const double offset_std = std::hypot(PositionStd(silhouettes_[i]), PositionStd(silhouettes_[j]));
+    const Vector2d between = Centroid(Polygon{a.outer, {}}) - Centroid(Polygon{b.outer, {}});
+    const double own_std = std::hypot(OutlineStd(silhouettes_[i], a, height_m), OutlineStd(silhouettes_[j], b, height_m));
+    const double share = offset_std * offset_std / (offset_std * offset_std + own_std * own_std);
+    const Vector2d offset = share * between;  // The shift that the pose noise explains.
+    double chi2 = kIndependentSamples * MeanSquaredDistance(a.outer, b.outer, offset) / (own_std * own_std);
+    if (offset_std > 0.0) chi2 += offset.squaredNorm() / (offset_std * offset_std);
+    return 0.5 * chi2;
+  }
+
+  const std::vector<Silhouette>& silhouettes_;
+  const std::vector<Estimate>& priors_;
+};
+
+}  // namespace
+
+double GroundSampling_m(const Silhouette& s) {
+  const Vector2d middle = Centroid(s.outline.polygon_px);
+  const auto a = MeetHorizontalPlane(s.view, middle, 0.0);
+  const auto b = MeetHorizontalPlane(s.view, middle + Vector2d(1.0, 0.0), 0.0);
+  if (a && b) return (*a - *b).norm();
+  return CameraHeight(s.view) / s.view.intrinsics.fx_px;
+}
+
+Polygon Straighten(const Silhouette& silhouette, double height_m) {
+  const double camera_height_m = CameraHeight(silhouette.view);
+  const Vector2d nadir = Nadir(silhouette.view);
+  const double shrink = (camera_height_m - height_m) / camera_height_m;
+  const double noise_m = GroundSampling_m(silhouette);
+  const auto straighten = [&](const Ring& ring_px, bool is_hole) -> Ring {
+    Ring ring = OnGround(silhouette.view, ring_px, is_hole);
+    if (ring.size() < 3 || height_m == 0.0) return ring;
+    const std::vector<Side> sides = ClassifySides(ring, nadir, noise_m);
+    for (Vector2d& p : ring) p -= nadir;
+    Ring straight = WithoutFlatCorners(StraightenRing(ring, sides, shrink, noise_m), 0.8 * noise_m);
+    for (Vector2d& p : straight) p += nadir;
+    if (IsSimple(straight) && (SignedArea(straight) < 0.0) == is_hole) return straight;
+    for (Vector2d& p : ring) p = nadir + shrink * p;  // All of it taken for roof.
+    return ring;
+  };
+  Polygon result;
+  result.outer = straighten(silhouette.outline.polygon_px.outer, false);
+  if (result.outer.empty()) return {};
+  for (const Ring& hole_px : silhouette.outline.polygon_px.holes) {
+    Ring hole = straighten(hole_px, true);
+    const bool is_inside = std::all_of(hole.begin(), hole.end(), [&](const Vector2d& p) {
+      return Contains(result.outer, p);
+    });
+    if (!hole.empty() && is_inside) result.holes.push_back(std::move(hole));
+  }
+  return result;
+}
+
+std::optional<Estimate> HeightFromCorners(const Silhouette& silhouette, double max_height_m) {
+  const double camera_height_m = CameraHeight(silhouette.view);
+  const Vector2d nadir = Nadir(silhouette.view);
+  const double noise_m = GroundSampling_m(silhouette);
+  const Ring ring = OnGround(silhouette.view, silhouette.outline.polygon_px.outer, false);
+  if (ring.size() < 3) return std::nullopt;
+  const std::vector<Side> sides = ClassifySides(ring, nadir, noise_m);
+  const std::size_t n = ring.size();
+  std::vector<Estimate> candidates;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Side before = sides[(i + n - 1) % n];
+    const Side after = sides[(i + 1) % n];
+    const bool is_corner = sides[i] == Side::kRadial && ((before == Side::kBase && after == Side::kRoof) ||
+                                                         (before == Side::kRoof && after == Side::kBase));
+    if (!is_corner) continue;
+    const double first = (ring[i] - nadir).norm();
+    const double second = (ring[(i + 1) % n] - nadir).norm();
+    const double base = before == Side::kBase ? first : second;
+    const double roof = before == Side::kBase ? second : first;
+    const double scale = roof / base;
+    const double height_m = camera_height_m * (1.0 - 1.0 / scale);
+    if (!(height_m > 0.0) || height_m > std::min(max_height_m, kHighestRatio * camera_height_m)) continue;
+    const double scale_std = kOutlineStd_px * 2.0 * noise_m * std::hypot(1.0, scale) / base;
+    candidates.push_back({height_m, camera_height_m / (scale * scale) * scale_std});
+  }
+  if (candidates.empty()) return std::nullopt;
+
+  // The height that most corners tell; the lowest of them, for a side that happens to be radial only adds length.
+  std::sort(candidates.begin(), candidates.end(), [](const Estimate& a, const Estimate& b) { return a.value < b.value; });
+  const auto agrees = [](const Estimate& a, const Estimate& b) {
+    return std::abs(a.value - b.value) <= 3.0 * std::hypot(a.std, b.std);
+  };
+  const auto votes = [&](const Estimate& candidate) {
+    return std::count_if(candidates.begin(), candidates.end(), [&](const Estimate& e) { return agrees(e, candidate); });
+  };
+  const Estimate chosen = *std::max_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
+    return votes(a) < votes(b);
+  });
+  double weight = 0.0;
+  double sum = 0.0;
+  for (const Estimate& e : candidates) {
+    if (!agrees(e, chosen)) continue;
+    weight += 1.0 / (e.std * e.std);
+    sum += e.value / (e.std * e.std);
+  }
+  const double height_m = sum / weight;
+  const double pose_std_m = silhouette.view.position_std_m * height_m / camera_height_m;
+  return Estimate{height_m, std::hypot(1.0 / std::sqrt(weight), pose_std_m)};
+}
+
+std::optional<Estimate> HeightFromParallax(const std::vector<Silhouette>& silhouettes,
+                                           const std::vector<Estimate>& priors, double max_height_m) {
+  double ceiling_m = max_height_m;
+  for (const Silhouette& s : silhouettes) ceiling_m = std::min(ceiling_m, kHighestRatio * CameraHeight(s.view));
+  if (!(ceiling_m > 0.0) || silhouettes.empty() || (silhouettes.size() < 2 && priors.empty())) return std::nullopt;
+  const Disagreement disagreement(silhouettes, priors);
+  constexpr int kSteps = 80;
+  double best_m = 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  double mean = 0.0;
+  for (int i = 1; i <= kSteps; ++i) {
+    const double height_m = ceiling_m * i / kSteps;
+    const double value = disagreement(height_m);
+    mean += std::min(value, 1e3) / kSteps;
+    if (value < least) {
+      least = value;
+      best_m = height_m;
+    }
+  }
+  if (!std::isfinite(least)) return std::nullopt;
+  double step_m = ceiling_m / kSteps;
+  for (int i = 0; i < 30; ++i) {  // Shrinking steps downhill.
+    const double lower = disagreement(std::max(1e-6, best_m - step_m));
+    const double upper = disagreement(std::min(ceiling_m, best_m + step_m));
+    if (lower < least && lower <= upper) {
+      least = lower;
+      best_m = std::max(1e-6, best_m - step_m);
+    } else if (upper < least) {
+      least = upper;
+      best_m = std::min(ceiling_m, best_m + step_m);
+    } else {
+      step_m *= 0.5;
+    }
+  }
+  // The height is known as well as the disagreement rises about it: by one half in one standard deviation.
+  double std_m = 0.002 * ceiling_m;
+  const double roughness = std::max(0.5, least);
+  while (std_m < ceiling_m) {
+    const double above = disagreement(std::min(ceiling_m, best_m + std_m));
+    const double below = disagreement(std::max(1e-6, best_m - std_m));
+    if (std::min(above, below) - least >= 0.5 * roughness / 0.5) break;
+    std_m *= 1.25;
+  }
+  if (std_m > 0.5 * best_m || best_m >= ceiling_m) return std::nullopt;
+  return Estimate{best_m, std_m};
+}
+
+}  // namespace soffit::lean
