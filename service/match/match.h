@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
-#include <string>
 #include <vector>
 
 #include "shared/geometry/polygon.h"
@@ -15,6 +14,10 @@ namespace soffit {
 struct Reference {
   std::vector<Polygon> shapes;  ///< At least one.
 };
+
+/// The black shapes of a black-on-white bitmap as polygons, by decreasing area, in a y-up frame (x right, y = -row),
+/// unit pixel. Shapes and holes of less than `min_area_px` are left out. Pure.
+std::vector<Polygon> ReadShapes(const cv::Mat1b& bitmap, double min_area_px);
 
 /// Reads a small black-on-white map. An error when it is all white, all black or has too many shapes.
 Result<Reference> ReadReference(const cv::Mat1b& bitmap);

@@ -1,0 +1,288 @@
+#include "service/match/match.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "service/match/similarity.h"
+#include "service/match/word.h"
+
+namespace soffit {
+namespace {
+
+using Eigen::Vector2d;
+using std::numbers::pi;
+
+constexpr std::size_t kSectors = 72;
+constexpr double kWordTolerance = 0.06;        ///< Of the square root of the area.
+constexpr double kMaxProfileDistance = 0.25;   ///< Of the area; farther shapes are not compared in detail.
+constexpr double kMaxWordCost = 0.35;
+constexpr std::size_t kMaxRotations = 8;
+constexpr double kSameRotation_rad = 0.12;
+constexpr double kMisfitAtHalfScore = 0.06;
+constexpr double kMaxAnchorMisfit = 0.15;
+constexpr double kMaxNeighbourOffset = 0.5;    ///< Of the square root of the neighbour's area.
+constexpr double kMaxAreaRatio = 1.5;
+
+/// Area by direction from the centroid: invariant to position and scale, a rotation shifts it.
+using Profile = std::array<double, kSectors>;
+
+struct Shape {
+  const Polygon* polygon = nullptr;
+  Vector2d centroid = Vector2d::Zero();
+  double side = 0.0;  ///< Square root of the area.
+  Profile profile{};
+  Word word;
+};
+
+void AddToProfile(const Ring& ring, const Vector2d& center, double area, Profile& profile) {
+  const double step = Perimeter(ring) / (8.0 * kSectors);
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vector2d a = ring[i] - center;
+    const Vector2d side = ring[(i + 1) % ring.size()] - ring[i];
+    const int count = std::max(1, static_cast<int>(std::ceil(side.norm() / step)));
+    for (int k = 0; k < count; ++k) {
+      const Vector2d p = a + side * (static_cast<double>(k) / count);
+      const Vector2d q = a + side * ((k + 1.0) / count);
+      const Vector2d middle = 0.5 * (p + q);
+      const double sector = (std::atan2(middle.y(), middle.x()) / (2.0 * pi) + 1.0) * kSectors;
+      const double triangle = 0.5 * (p.x() * q.y() - p.y() * q.x());
+      const double base = std::floor(sector - 0.5);
+      const double share = sector - 0.5 - base;  // Of the next sector: linear, so that edges do not jump.
+      const auto index = static_cast<std::size_t>(base);
+      profile[index % kSectors] += (1.0 - share) * triangle / area;
+      profile[(index + 1) % kSectors] += share * triangle / area;
+    }
+  }
+}
+
+Shape Describe(const Polygon& polygon) {
+  Shape shape;
+  shape.polygon = &polygon;
+  shape.centroid = Centroid(polygon);
+  const double area = Area(polygon);
+  shape.side = std::sqrt(area);
+  AddToProfile(polygon.outer, shape.centroid, area, shape.profile);
+  for (const Ring& hole : polygon.holes) AddToProfile(hole, shape.centroid, area, shape.profile);
+  shape.word = Spell(polygon.outer, kWordTolerance * shape.side);
+  return shape;
+}
+
+bool IsUsable(const Polygon& polygon) {
+  return polygon.outer.size() >= 3 && std::isfinite(Area(polygon)) && Area(polygon) > 0.0;
+}
+
+double ProfileDistance(const Profile& a, const Profile& b, std::size_t shift) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kSectors; ++i) sum += std::abs(a[i] - b[(i + shift) % kSectors]);
+  return 0.5 * sum;
+}
+
+struct RotationCandidate {
+  double rotation_ccw_rad = 0.0;
+  double distance = 0.0;
+};
+
+void AddRotation(std::vector<RotationCandidate>& rotations, const RotationCandidate& candidate) {
+  for (const RotationCandidate& known : rotations) {
+    const double difference = std::remainder(known.rotation_ccw_rad - candidate.rotation_ccw_rad, 2.0 * pi);
+    if (std::abs(difference) < kSameRotation_rad) return;
+  }
+  if (rotations.size() < kMaxRotations) rotations.push_back(candidate);
+}
+
+/// Rotations by which `a` may lie like `b`, likely ones first: what the words say, then what the profiles say. None
+/// when the shapes are too different.
+std::vector<double> FindRotations(const Shape& a, const Shape& b) {
+  std::array<double, kSectors> distance;
+  for (std::size_t shift = 0; shift < kSectors; ++shift) distance[shift] = ProfileDistance(a.profile, b.profile, shift);
+  const double nearest = *std::min_element(distance.begin(), distance.end());
+  if (nearest > kMaxProfileDistance) return {};
+  std::vector<RotationCandidate> rotations;
+  for (const WordAlignment& alignment : AlignWords(a.word, b.word)) {
+    if (alignment.cost > kMaxWordCost) break;
+    AddRotation(rotations, {alignment.rotation_ccw_rad, alignment.cost});
+  }
+  std::vector<RotationCandidate> by_profile;
+  for (std::size_t i = 0; i < kSectors; ++i) {
+    const bool is_least = distance[i] <= distance[(i + 1) % kSectors] && distance[i] <= distance[(i + kSectors - 1) % kSectors];
+    if (is_least && distance[i] < kMaxProfileDistance) {
+      by_profile.push_back({2.0 * pi * static_cast<double>(i) / kSectors, distance[i]});
+    }
+  }
+  std::stable_sort(by_profile.begin(), by_profile.end(),
+                   [](const RotationCandidate& x, const RotationCandidate& y) { return x.distance < y.distance; });
+  for (const RotationCandidate& candidate : by_profile) AddRotation(rotations, candidate);
+  std::vector<double> result;
+  for (const RotationCandidate& candidate : rotations) result.push_back(candidate.rotation_ccw_rad);
+  return result;
+}
+
+Similarity LayOn(const Shape& a, const Shape& b, double rotation_ccw_rad) {
+  const double scale = b.side / a.side;
+  Similarity similarity{scale * std::cos(rotation_ccw_rad), scale * std::sin(rotation_ccw_rad), Vector2d::Zero()};
+  similarity.translation = b.centroid - similarity * a.centroid;
+  return similarity;
+}
+
+/// 1 for shapes that coincide, falling with the square of the misfit.
+double ScoreOf(double misfit) {
+  const double ratio = misfit / kMisfitAtHalfScore;
+  return 1.0 / (1.0 + ratio * ratio);
+}
+
+/// One way to lay the whole reference on shapes of the map.
+struct Pose2d {
+  std::vector<std::size_t> shapes;
+  Similarity similarity;
+  double misfit = std::numeric_limits<double>::infinity();
+};
+
+class Matcher {
+ public:
+  Matcher(const std::vector<Polygon>& map, const Reference& reference) {
+    for (const Polygon& polygon : reference.shapes) reference_.push_back(Describe(polygon));
+    for (std::size_t i = 0; i < map.size(); ++i) {
+      if (!IsUsable(map[i])) continue;
+      map_.push_back(Describe(map[i]));
+      index_.push_back(i);
+    }
+  }
+
+  /// Every way to lay the reference on the map that could be right.
+  std::vector<Pose2d> FindPoses() const {
+    std::vector<Pose2d> poses;
+    const std::size_t anchor = ChooseAnchor();
+    for (std::size_t j = 0; j < map_.size(); ++j) {
+      for (const double rotation : FindRotations(reference_[anchor], map_[j])) {
+        if (auto pose = LayReference(anchor, j, rotation)) poses.push_back(std::move(*pose));
+      }
+    }
+    return poses;
+  }
+
+ private:
+  /// The shape of the reference that tells most: large and with many sides.
+  std::size_t ChooseAnchor() const {
+    const auto tells_less = [](const Shape& a, const Shape& b) {
+      return a.side * std::sqrt(static_cast<double>(a.word.size())) < b.side * std::sqrt(static_cast<double>(b.word.size()));
+    };
+    return static_cast<std::size_t>(std::max_element(reference_.begin(), reference_.end(), tells_less) -
+                                    reference_.begin());
+  }
+
+  std::optional<Pose2d> LayReference(std::size_t anchor, std::size_t on, double rotation_ccw_rad) const {
+    Similarity similarity = RefineSimilarity({Pair(anchor, on)}, LayOn(reference_[anchor], map_[on], rotation_ccw_rad));
+    const double misfit = Misfit(Pair(anchor, on), similarity);
+    if (reference_.size() == 1) return Pose2d{{index_[on]}, similarity, misfit};
+    if (misfit > kMaxAnchorMisfit) return std::nullopt;
+    std::vector<std::size_t> partners(reference_.size());
+    for (std::size_t i = 0; i < reference_.size(); ++i) {
+      const auto partner = i == anchor ? std::optional(on) : FindPartner(i, similarity, partners, i);
+      if (!partner) return std::nullopt;
+      partners[i] = *partner;
+    }
+    std::vector<ShapePair> pairs;
+    for (std::size_t i = 0; i < partners.size(); ++i) pairs.push_back(Pair(i, partners[i]));
+    Pose2d pose;
+    pose.similarity = RefineSimilarity(pairs, similarity);
+    pose.misfit = 0.0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      pose.misfit = std::max(pose.misfit, Misfit(pairs[i], pose.similarity));
+      pose.shapes.push_back(index_[partners[i]]);
+    }
+    return pose;
+  }
+
+  /// The shape of the map where shape `i` of the reference should lie.
+  std::optional<std::size_t> FindPartner(std::size_t i, const Similarity& similarity,
+                                         const std::vector<std::size_t>& partners, std::size_t taken) const {
+    const Vector2d expected = similarity * reference_[i].centroid;
+    const double side = similarity.Scale() * reference_[i].side;
+    std::optional<std::size_t> best;
+    double nearest = kMaxNeighbourOffset * side;
+    for (std::size_t j = 0; j < map_.size(); ++j) {
+      const double ratio = map_[j].side * map_[j].side / (side * side);
+      const double distance = (map_[j].centroid - expected).norm();
+      const bool is_taken = std::find(partners.begin(), partners.begin() + static_cast<std::ptrdiff_t>(taken), j) !=
+                            partners.begin() + static_cast<std::ptrdiff_t>(taken);
+      if (is_taken || ratio > kMaxAreaRatio || ratio < 1.0 / kMaxAreaRatio || distance >= nearest) continue;
+      nearest = distance;
+      best = j;
+    }
+    return best;
+  }
+
+  ShapePair Pair(std::size_t i, std::size_t j) const { return {reference_[i].polygon, map_[j].polygon}; }
+
+  std::vector<Shape> reference_;
+  std::vector<Shape> map_;
+  std::vector<std::size_t> index_;  ///< Of `map_` in the caller's map.
+};
+
+double Clockwise(double rotation_ccw_rad) {
+  const double angle = std::fmod(-rotation_ccw_rad, 2.0 * pi);
+  return angle < 0.0 ? angle + 2.0 * pi : angle;
+}
+
+/// All poses on the same shapes as one match: the best, with the rotations that fit as well.
+Match Summarize(std::vector<Pose2d> poses, const MatchOptions& options) {
+  std::stable_sort(poses.begin(), poses.end(), [](const Pose2d& a, const Pose2d& b) { return a.misfit < b.misfit; });
+  const Pose2d& best = poses.front();
+  Match match;
+  match.shapes = best.shapes;
+  match.scale = best.similarity.Scale();
+  match.rotation_cw_rad = Clockwise(best.similarity.RotationCcw_rad());
+  match.translation = best.similarity.translation;
+  match.score = ScoreOf(best.misfit);
+  for (const Pose2d& pose : poses) {
+    const double rotation = Clockwise(pose.similarity.RotationCcw_rad());
+    const bool is_known = std::any_of(
+        match.equivalent_rotations_cw_rad.begin(), match.equivalent_rotations_cw_rad.end(),
+        [&](double known) { return std::abs(std::remainder(known - rotation, 2.0 * pi)) < kSameRotation_rad; });
+    if (!is_known && ScoreOf(pose.misfit) >= match.score - options.ambiguity_margin) {
+      match.equivalent_rotations_cw_rad.push_back(rotation);
+    }
+  }
+  return match;
+}
+
+}  // namespace
+
+std::vector<Match> FindMatches(const std::vector<Polygon>& map, const Reference& reference,
+                               const MatchOptions& options) {
+  SOFFIT_EXPECT(IsValidOptions(options));
+  SOFFIT_EXPECT(!reference.shapes.empty());
+  SOFFIT_EXPECT(std::all_of(reference.shapes.begin(), reference.shapes.end(), IsUsable));
+  std::map<std::vector<std::size_t>, std::vector<Pose2d>> poses_on;  // By the shapes, in whatever order.
+  for (Pose2d& pose : Matcher(map, reference).FindPoses()) {
+    std::vector<std::size_t> place = pose.shapes;
+    std::sort(place.begin(), place.end());
+    poses_on[place].push_back(std::move(pose));
+  }
+  std::vector<Match> matches;
+  for (auto& [place, poses] : poses_on) {
+    Match match = Summarize(std::move(poses), options);
+    if (match.score >= options.min_score) matches.push_back(std::move(match));
+  }
+  std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) { return a.score > b.score; });
+  for (Match& match : matches) {
+    match.is_ambiguous = std::any_of(matches.begin(), matches.end(), [&](const Match& other) {
+      return &other != &match && std::abs(other.score - match.score) <= options.ambiguity_margin;
+    });
+  }
+  return matches;
+}
+
+double WordDistance(const Polygon& a, const Polygon& b) {
+  SOFFIT_EXPECT(IsUsable(a) && IsUsable(b));
+  const auto spell = [](const Polygon& p) { return Spell(p.outer, kWordTolerance * std::sqrt(Area(p))); };
+  const std::vector<WordAlignment> alignments = AlignWords(spell(a), spell(b));
+  return alignments.empty() ? 1.0 : alignments.front().cost;
+}
+
+}  // namespace soffit

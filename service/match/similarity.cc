@@ -1,0 +1,209 @@
+#include "service/match/similarity.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace soffit {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr int kSamples = 128;       ///< On each outline.
+constexpr int kIterations = 25;
+constexpr int kStretches = 16;
+
+struct Sample {
+  Vector2d point;
+  bool is_on_hole = false;
+};
+
+void SampleRing(const Ring& ring, double step, bool is_on_hole, std::vector<Sample>& samples) {
+  const double perimeter = Perimeter(ring);
+  const int count = std::max(8, static_cast<int>(std::lround(perimeter / step)));
+  const double own_step = perimeter / count;
+  double at = 0.5 * own_step;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vector2d side = ring[(i + 1) % ring.size()] - ring[i];
+    const double length = side.norm();
+    for (; at < length; at += own_step) samples.push_back({ring[i] + side * (at / length), is_on_hole});
+    at -= length;
+  }
+}
+
+std::vector<Sample> SampleOutline(const Polygon& polygon) {
+  double length = Perimeter(polygon.outer);
+  for (const Ring& hole : polygon.holes) length += Perimeter(hole);
+  std::vector<Sample> samples;
+  SampleRing(polygon.outer, length / kSamples, false, samples);
+  for (const Ring& hole : polygon.holes) SampleRing(hole, length / kSamples, true, samples);
+  return samples;
+}
+
+struct Foot {
+  Vector2d point = Vector2d::Zero();
+  Vector2d outward = Vector2d::Zero();  ///< Unit normal, out of the region.
+  double distance = std::numeric_limits<double>::infinity();
+};
+
+void FindFootOnRing(const Vector2d& p, const Ring& ring, Foot& best) {
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vector2d& a = ring[i];
+    const Vector2d side = ring[(i + 1) % ring.size()] - a;
+    const double length2 = side.squaredNorm();
+    if (length2 <= 0.0) continue;
+    const double t = std::clamp((p - a).dot(side) / length2, 0.0, 1.0);
+    const Vector2d foot = a + t * side;
+    const double distance = (p - foot).norm();
+    if (distance < best.distance) best = {foot, Vector2d(side.y(), -side.x()) / std::sqrt(length2), distance};
+  }
+}
+
+/// Outer rings answer for samples of outer rings, holes for those of holes; none when there is no hole.
+Foot FindFoot(const Sample& sample, const Polygon& polygon) {
+  Foot foot;
+  if (!sample.is_on_hole) FindFootOnRing(sample.point, polygon.outer, foot);
+  if (sample.is_on_hole) {
+    for (const Ring& hole : polygon.holes) FindFootOnRing(sample.point, hole, foot);
+  }
+  return foot;
+}
+
+double SideLength(const Polygon& polygon) { return std::sqrt(std::max(1e-300, Area(polygon))); }
+
+/// One linear equation: normal . (similarity * source) = normal . target.
+struct Constraint {
+  Vector2d source;
+  Vector2d target;
+  Vector2d normal;
+  double distance;
+};
+
+Similarity Inverse(const Similarity& s) {
+  const double scale2 = s.a * s.a + s.b * s.b;
+  Similarity inverse{s.a / scale2, -s.b / scale2, Vector2d::Zero()};
+  inverse.translation = -(inverse * s.translation);
+  return inverse;
+}
+
+void AddConstraints(const ShapePair& pair, const std::vector<Sample>& of_source, const std::vector<Sample>& of_target,
+                    const Similarity& similarity, std::vector<Constraint>& constraints) {
+  for (const Sample& s : of_source) {
+    const Vector2d moved = similarity * s.point;
+    const Foot foot = FindFoot({moved, s.is_on_hole}, *pair.second);
+    if (!std::isfinite(foot.distance)) continue;
+    constraints.push_back({s.point, foot.point, foot.outward, foot.outward.dot(moved - foot.point)});
+  }
+  const Similarity inverse = Inverse(similarity);
+  const Similarity turn{similarity.a / similarity.Scale(), similarity.b / similarity.Scale(), Vector2d::Zero()};
+  for (const Sample& s : of_target) {
+    const Foot foot = FindFoot({inverse * s.point, s.is_on_hole}, *pair.first);
+    if (!std::isfinite(foot.distance)) continue;
+    const Vector2d normal = turn * foot.outward;
+    constraints.push_back({foot.point, s.point, normal, normal.dot(similarity * foot.point - s.point)});
+  }
+}
+
+/// Weighted linear least squares for (a, b, tx, ty), about the middle of the sources.
+Similarity Solve(const std::vector<Constraint>& constraints, double reach) {
+  Vector2d middle = Vector2d::Zero();
+  for (const Constraint& c : constraints) middle += c.source / static_cast<double>(constraints.size());
+  Eigen::Matrix4d normal_matrix = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  for (const Constraint& c : constraints) {
+    const double ratio = c.distance / reach;
+    const double weight = 1.0 / (1.0 + ratio * ratio);
+    const Vector2d q = c.source - middle;
+    const Eigen::Vector4d row(c.normal.dot(q), c.normal.dot(Vector2d(-q.y(), q.x())), c.normal.x(), c.normal.y());
+    normal_matrix += weight * row * row.transpose();
+    right += weight * row * c.normal.dot(c.target);
+  }
+  const Eigen::Vector4d x = normal_matrix.ldlt().solve(right);
+  Similarity result{x(0), x(1), Vector2d::Zero()};
+  result.translation = Vector2d(x(2), x(3)) - (result * middle);
+  return result;
+}
+
+/// Greatest mean of signed distances over a stretch of a closed sequence.
+double GreatestStretchMean(const std::vector<double>& distances, std::size_t from, std::size_t count) {
+  const std::size_t width = std::max<std::size_t>(3, count / kStretches);
+  if (count < width) return 0.0;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < width; ++k) sum += distances[from + k];
+  double greatest = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    greatest = std::max(greatest, std::abs(sum) / static_cast<double>(width));
+    sum += distances[from + (i + width) % count] - distances[from + i];
+  }
+  return greatest;
+}
+
+double OneWayMisfit(const Polygon& from, const Polygon& to) {
+  const double side = SideLength(to);
+  std::vector<Sample> samples;
+  std::vector<std::size_t> starts;
+  const double length = Perimeter(from.outer);
+  const auto add = [&](const Ring& ring, bool is_on_hole) {
+    starts.push_back(samples.size());
+    SampleRing(ring, length / (2 * kSamples), is_on_hole, samples);
+  };
+  add(from.outer, false);
+  for (const Ring& hole : from.holes) add(hole, true);
+  starts.push_back(samples.size());
+  std::vector<double> distances;
+  for (const Sample& s : samples) {
+    const Foot foot = FindFoot(s, to);
+    const double sign = foot.outward.dot(s.point - foot.point) >= 0.0 ? 1.0 : -1.0;
+    distances.push_back(std::isfinite(foot.distance) ? sign * foot.distance : side);
+  }
+  double greatest = 0.0;
+  for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
+    greatest = std::max(greatest, GreatestStretchMean(distances, starts[i], starts[i + 1] - starts[i]));
+  }
+  return greatest / side;
+}
+
+}  // namespace
+
+Polygon operator*(const Similarity& similarity, const Polygon& polygon) {
+  Polygon moved = polygon;
+  for (Vector2d& p : moved.outer) p = similarity * p;
+  for (Ring& hole : moved.holes) {
+    for (Vector2d& p : hole) p = similarity * p;
+  }
+  return moved;
+}
+
+Similarity RefineSimilarity(const std::vector<ShapePair>& pairs, const Similarity& start) {
+  std::vector<std::pair<std::vector<Sample>, std::vector<Sample>>> samples;
+  double side = 0.0;
+  for (const ShapePair& pair : pairs) {
+    samples.emplace_back(SampleOutline(*pair.first), SampleOutline(*pair.second));
+    side = std::max(side, SideLength(*pair.second));
+  }
+  Similarity current = start;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    std::vector<Constraint> constraints;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      AddConstraints(pairs[i], samples[i].first, samples[i].second, current, constraints);
+    }
+    std::vector<double> distances;
+    for (const Constraint& c : constraints) distances.push_back(std::abs(c.distance));
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    const Similarity next = Solve(constraints, std::max(0.01 * side, 2.0 * *middle));
+    if (!std::isfinite(next.a + next.b + next.translation.sum()) || next.Scale() <= 0.0) return current;
+    const double change = std::hypot(next.a - current.a, next.b - current.b) / current.Scale();
+    current = next;
+    if (change < 1e-6) break;
+  }
+  return current;
+}
+
+double Misfit(const ShapePair& pair, const Similarity& similarity) {
+  const Polygon moved = similarity * *pair.first;
+  return std::max(OneWayMisfit(moved, *pair.second), OneWayMisfit(*pair.second, moved));
+}
+
+}  // namespace soffit
