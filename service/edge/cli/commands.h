@@ -9,5 +9,6 @@ namespace soffit {
 // code).
 
 void AddAnalyzeCommand(CLI::App& app);
+void AddRecognizeCommand(CLI::App& app);
 
 }  // namespace soffit

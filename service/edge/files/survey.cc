@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
+#include "service/edge/files/bitmap.h"
 #include "service/edge/files/file.h"
 
 namespace soffit {
@@ -214,11 +214,9 @@ Status WriteSurvey(const fs::path& folder, const Survey& survey) {
 }
 
 Result<Reference> ReadReferenceFile(const fs::path& file) {
-  const Result<std::vector<std::uint8_t>> bytes = ReadFile(file, kMaxPictureBytes);
-  if (!bytes.ok()) return bytes.error();
-  const cv::Mat1b bitmap = bytes.value().empty() ? cv::Mat() : cv::imdecode(bytes.value(), cv::IMREAD_GRAYSCALE);
-  if (bitmap.empty()) return InvalidInput(file.string() + ": not a PNG or JPEG picture");
-  Result<Reference> reference = ReadReference(bitmap);
+  const Result<cv::Mat1b> bitmap = ReadBitmapFile(file);
+  if (!bitmap.ok()) return bitmap.error();
+  Result<Reference> reference = ReadReference(bitmap.value());
   if (!reference.ok()) return InvalidInput(file.string() + ": " + reference.error().message);
   return reference;
 }
