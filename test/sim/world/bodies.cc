@@ -121,12 +121,13 @@ std::vector<Body> BuildBodies(const World& world) {
     for (const Structure& structure : *structures) {
       if (structure.is_absent) continue;
       for (const Part& part : structure.parts) {
-        bodies.push_back({structure.id, part.finish.value_or(structure.finish), BuildPart(part, structure)});
+        bodies.push_back({structure.id, part.finish.value_or(structure.finish), structure.yaw_rad, false,
+                          BuildPart(part, structure)});
       }
     }
   }
   const Finish leaves{{0.10, 0.17, 0.06}, Pattern::kGrass, 0.12, 0.7};
-  for (const Bush& bush : world.bushes) bodies.push_back({"bush", leaves, BuildBush(bush)});
+  for (const Bush& bush : world.bushes) bodies.push_back({"bush", leaves, 0.0, true, BuildBush(bush)});
   return bodies;
 }
 

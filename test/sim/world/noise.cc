@@ -31,11 +31,11 @@ float Noise(const Eigen::Vector3f& point) {
 
 float FractalNoise(const Eigen::Vector3f& point, float octaves) {
   float sum = 0.0F;
-  float weight = 0.55F;
+  float weight = 0.45F;
   Eigen::Vector3f at = point;
   for (float left = octaves; left > 0.0F; left -= 1.0F) {
     sum += weight * std::min(left, 1.0F) * Noise(at);
-    weight *= 0.5F;
+    weight *= 0.68F;
     at = 2.0F * at + Eigen::Vector3f(17.3F, 31.7F, 11.1F);
   }
   return sum;

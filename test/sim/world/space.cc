@@ -1,10 +1,10 @@
 #include "test/sim/world/space.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "test/sim/world/embree.h"
 
 namespace soffit::sim {
 namespace {
@@ -83,13 +83,7 @@ double Distance(const Cylinder& cylinder, const Eigen::Vector3d& a, const Eigen:
 
 struct Space::Index {
   std::vector<Body> bodies;
-  RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");
-  RTCScene scene = rtcNewScene(device);
-
-  ~Index() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
+  EmbreeScene scene;
 };
 
 namespace {
@@ -115,29 +109,12 @@ bool Visit(RTCPointQueryFunctionArguments* arguments) {
   return true;
 }
 
-void AddToScene(RTCDevice device, RTCScene scene, const Mesh& mesh) {
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               3 * sizeof(float), mesh.vertices_m.size()));
-  auto* triangles = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
-  for (const Eigen::Vector3d& vertex : mesh.vertices_m) {
-    for (int axis = 0; axis < 3; ++axis) *vertices++ = static_cast<float>(vertex[axis]);
-  }
-  for (const auto& triangle : mesh.triangles) {
-    for (const int corner : triangle) *triangles++ = static_cast<unsigned>(corner);
-  }
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene, geometry);
-  rtcReleaseGeometry(geometry);
-}
-
 }  // namespace
 
 Space::Space(const World& world) : index_(std::make_unique<Index>()) {
   index_->bodies = BuildBodies(world);
-  for (const Body& body : index_->bodies) AddToScene(index_->device, index_->scene, body.mesh_in_map);
-  rtcCommitScene(index_->scene);
+  for (const Body& body : index_->bodies) index_->scene.Add(body.mesh_in_map);
+  index_->scene.Commit();
 }
 Space::~Space() = default;
 
@@ -150,7 +127,7 @@ Space::Nearest Space::DistanceToBodies(const Cylinder& cylinder, double limit_m)
   query.radius = static_cast<float>(limit_m + search.reach_m + 1e-3);
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(index_->scene, &query, &context, &Visit, &search);
+  rtcPointQuery(index_->scene.get(), &query, &context, &Visit, &search);
   return {search.distance_m, search.body < 0 ? "" : index_->bodies[search.body].owner};
 }
 

@@ -13,6 +13,8 @@ namespace soffit::sim {
 struct Body {
   std::string owner;  ///< Id of the structure; "bush" for bushes.
   Finish finish;
+  double yaw_rad = 0.0;   ///< Patterns run along it.
+  bool is_round = false;  ///< Bushes: the triangles stand for a rounded surface.
   Mesh mesh_in_map;
 };
 
