@@ -12,7 +12,8 @@ namespace {
 using Eigen::Vector2d;
 using lean::Estimate;
 
-constexpr double kSameBuildingOverlap = 0.5;  ///< Share of the smaller footprint that lies in the other.
+constexpr double kSameBuildingShare = 0.6;    ///< Of a silhouette, that the building explains.
+constexpr double kMiddlingHeightRatio = 0.3;  ///< Of the lowest camera's height.
 constexpr double kMaxHeight_m = 120.0;
 
 double CameraHeight(const Silhouette& s) { return s.view.map_from_camera.translation_m.z(); }
@@ -96,46 +97,54 @@ bool Understand(Footprint& footprint, double max_height_m) {
   return Draw(footprint);
 }
 
-/// Share of `a` that lies in `b`, on a grid.
-double ShareInside(const Polygon& a, const Polygon& b) {
+/// Share of what a silhouette covers on the ground that a building of this footprint and height would cover: a point
+/// is covered when some part of the plumb line on the footprint, or of the roof, appears in front of it.
+double ShareExplained(const Silhouette& silhouette, const Polygon& polygon, double height_m) {
   constexpr int kCells = 24;
-  Vector2d low = a.outer.front();
+  constexpr int kLevels = 8;
+  const Polygon shadow = lean::Straighten(silhouette, 0.0);
+  const Vector2d nadir = silhouette.view.map_from_camera.translation_m.head<2>();
+  const double shrink = (CameraHeight(silhouette) - height_m) / CameraHeight(silhouette);
+  Vector2d low = shadow.outer.front();
   Vector2d high = low;
-  for (const Vector2d& p : a.outer) {
+  for (const Vector2d& p : shadow.outer) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  int inside = 0;
-  int both = 0;
+  int covered = 0;
+  int explained = 0;
   for (int i = 0; i < kCells; ++i) {
     for (int j = 0; j < kCells; ++j) {
       const Vector2d p = low + (high - low).cwiseProduct(Vector2d((i + 0.5) / kCells, (j + 0.5) / kCells));
-      if (!Contains(a.outer, p)) continue;
-      ++inside;
-      if (Contains(b.outer, p)) ++both;
+      if (!Contains(shadow.outer, p)) continue;
+      ++covered;
+      for (int level = 0; level <= kLevels; ++level) {
+        const double k = 1.0 + (shrink - 1.0) * level / kLevels;
+        if (Contains(polygon.outer, nadir + k * (p - nadir))) {
+          ++explained;
+          break;
+        }
+      }
     }
   }
-  return inside > 0 ? static_cast<double>(both) / inside : 0.0;
+  return covered > 0 ? static_cast<double>(explained) / covered : 0.0;
 }
 
-/// The footprint as it would be at a height: two silhouettes of one building meet only at about its own height.
-Polygon AtHeight(const Footprint& footprint, double height_m) {
-  Polygon polygon = lean::Straighten(BestSilhouette(footprint.silhouettes), height_m);
-  return polygon.outer.empty() ? footprint.polygon_in_map_m : polygon;
+/// Whether what `other` was seen as is this building. One whose height is not known yet is tried at a middling one.
+bool Explains(const Footprint& building, const Footprint& other) {
+  double ceiling_m = CameraHeight(other.silhouettes.front());
+  for (const Silhouette& s : building.silhouettes) ceiling_m = std::min(ceiling_m, CameraHeight(s));
+  double height_m = building.height_m > 0.0 ? building.height_m : other.height_m;
+  if (!(height_m > 0.0 && height_m < 0.9 * ceiling_m)) height_m = kMiddlingHeightRatio * ceiling_m;
+  const Polygon polygon = building.height_m > 0.0 ? building.polygon_in_map_m
+                                                  : lean::Straighten(BestSilhouette(building.silhouettes), height_m);
+  return std::all_of(other.silhouettes.begin(), other.silhouettes.end(), [&](const Silhouette& s) {
+    return ShareExplained(s, polygon, height_m) >= kSameBuildingShare;
+  });
 }
 
 bool IsSameBuilding(const Footprint& a, const Footprint& b) {
-  if (a.color != b.color) return false;
-  const double height_m = std::max(a.height_m, b.height_m);
-  double lowest_camera_m = std::min(CameraHeight(a.silhouettes.front()), CameraHeight(b.silhouettes.front()));
-  for (const double h : {height_m, 0.25 * lowest_camera_m}) {
-    if (h >= 0.9 * lowest_camera_m) continue;
-    const Polygon pa = AtHeight(a, h);
-    const Polygon pb = AtHeight(b, h);
-    if (std::max(ShareInside(pa, pb), ShareInside(pb, pa)) >= kSameBuildingOverlap) return true;
-    if (height_m > 0.0) return false;
-  }
-  return false;
+  return a.color == b.color && (Explains(a, b) || Explains(b, a));
 }
 
 }  // namespace

@@ -68,8 +68,8 @@ struct Separation {
 };
 
 /// Where to part the saturations of one hue class: ground and sky below, painted buildings above (N. Otsu, "A threshold
-/// selection method from gray-level histograms", IEEE SMC 9(1), 1979). With a single mode there is nothing to part,
-/// and `fallback` decides on which side it lies.
+/// selection method from gray-level histograms", IEEE SMC 9(1), 1979). Modes on one side of `fallback` (lit roof and
+/// shaded wall, or grass and sand) are not parted.
 Separation PartSaturations(const std::array<double, 256>& histogram, double fallback) {
   double count = 0.0;
   double sum = 0.0;
@@ -98,7 +98,7 @@ Separation PartSaturations(const std::array<double, 256>& histogram, double fall
     }
   }
   const double distance = high_mean - low_mean;
-  if (best < 0.0 || distance < kMinModeDistance || high_mean < fallback) {
+  if (best < 0.0 || distance < kMinModeDistance || low_mean > fallback || high_mean < fallback) {
     const double mean = sum / count / 255.0;
     return {fallback, std::min(1.0, std::abs(mean - fallback) / 0.2)};
   }

@@ -174,6 +174,37 @@ Vector2d MeetSides(const Line& a, const Line& b, const Vector2d& breakpoint, dou
   return 0.5 * (foot(a) + foot(b));
 }
 
+struct FitSide {
+  Line line;
+  Vector2d start;  ///< The breakpoint before it.
+};
+
+/// Takes out the short sides across corners that a median filter or coarse pixels rounded off: those whose neighbours
+/// meet, when extended, within `reach` of them.
+void SharpenCorners(std::vector<FitSide>& sides, double reach) {
+  for (std::size_t i = 0; i < sides.size() && sides.size() > 3;) {
+    const std::size_t n = sides.size();
+    const FitSide& before = sides[(i + n - 1) % n];
+    FitSide& after = sides[(i + 1) % n];
+    const double sine = Cross(before.line.direction, after.line.direction);
+    const double length = (after.start - sides[i].start).norm();
+    const double shorter = std::min(before.line.count, after.line.count);
+    bool is_bevel = std::abs(sine) > 0.3 && length < 0.5 * shorter && length < 4.0 * reach;
+    if (is_bevel) {
+      const Vector2d corner =
+          before.line.point +
+          before.line.direction * (Cross(after.line.point - before.line.point, after.line.direction) / sine);
+      is_bevel = DistanceToSegment(corner, sides[i].start, after.start) <= reach;
+      if (is_bevel) after.start = corner;
+    }
+    if (is_bevel) {
+      sides.erase(sides.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      ++i;
+    }
+  }
+}
+
 double SideStd(const Line& line) {
   constexpr double kCorrelatedPoints = 4.0;  // Neighbours on a staircase err alike.
   return std::sqrt((line.squares / line.count + 1.0 / 12.0) / std::max(1.0, line.count / kCorrelatedPoints));
@@ -194,29 +225,29 @@ FittedRing FitRing(const Ring& boundary, double step, double tolerance) {
   if (breaks.size() < 3) return {};
 
   const std::size_t n = points.size();
-  std::vector<Line> sides;
+  std::vector<FitSide> sides;
+  Ring unfitted;
   for (std::size_t i = 0; i < breaks.size(); ++i) {
     const std::size_t from = breaks[i];
     const std::size_t to = i + 1 < breaks.size() ? breaks[i + 1] : breaks[0] + n;
     const std::size_t trim = static_cast<std::size_t>(kTrimRatio * static_cast<double>(to - from));
     const std::size_t base = from >= n ? n : 0;
-    sides.push_back(fitter.Fit(from - base + trim, to - base - trim));
+    sides.push_back({fitter.Fit(from - base + trim, to - base - trim), points[from % n]});
+    unfitted.push_back(step * points[from % n]);
   }
+  SharpenCorners(sides, 2.0 * tolerance / step);
   FittedRing fitted;
-  Ring unfitted;
   for (std::size_t i = 0; i < sides.size(); ++i) {
-    const Line& before = sides[(i + sides.size() - 1) % sides.size()];
-    const Line& after = sides[i];
-    const Vector2d& breakpoint = points[breaks[i] % n];
-    fitted.ring.push_back(step * MeetSides(before, after, breakpoint, reach));
+    const Line& before = sides[(i + sides.size() - 1) % sides.size()].line;
+    const Line& after = sides[i].line;
+    fitted.ring.push_back(step * MeetSides(before, after, sides[i].start, reach));
     const double sine = std::max(0.3, std::abs(Cross(before.direction, after.direction)));
     fitted.corner_std.push_back(step * std::hypot(SideStd(before), SideStd(after)) / sine);
-    unfitted.push_back(step * breakpoint);
   }
   if (!IsSimple(fitted.ring) || SignedArea(fitted.ring) * SignedArea(boundary) <= 0.0) {
     if (!IsSimple(unfitted) || SignedArea(unfitted) * SignedArea(boundary) <= 0.0) return {};
-    fitted.ring = unfitted;
-    std::fill(fitted.corner_std.begin(), fitted.corner_std.end(), tolerance);
+    fitted.corner_std.assign(unfitted.size(), tolerance);
+    fitted.ring = std::move(unfitted);
   }
   return fitted;
 }
