@@ -65,13 +65,17 @@ class Geos {
   GEOSContextHandle_t handle_;
 };
 
-Ring WithoutCollinear(const Ring& ring) {
-  Ring result;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Eigen::Vector2d& before = result.empty() ? ring[(i + ring.size() - 1) % ring.size()] : result.back();
-    if (DistanceToSegment(ring[i], before, ring[(i + 1) % ring.size()]) > 10.0 * kGrid_m) result.push_back(ring[i]);
+Ring WithoutCollinear(Ring ring) {
+  for (std::size_t i = 0; i < ring.size() && ring.size() > 2;) {
+    const std::size_t n = ring.size();
+    if (DistanceToSegment(ring[i], ring[(i + n - 1) % n], ring[(i + 1) % n]) > 10.0 * kGrid_m) {
+      ++i;
+    } else {
+      ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
+      i = i == 0 ? 0 : i - 1;  // The corner before may be collinear now.
+    }
   }
-  return result;
+  return ring;
 }
 
 Ring Oriented(Ring ring, bool counter_clockwise) {

@@ -1,0 +1,91 @@
+#include "test/sim/truth/truth.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace soffit::sim {
+namespace {
+
+using testing::HasSubstr;
+using testing::SizeIs;
+
+constexpr char kHead[] = R"(
+camera: {width_px: 640, height_px: 480, fx_px: 400}
+vehicle: {radius_m: 0.35, height_m: 0.3, safety_margin_m: 0.25}
+mission: {wanted: [a]}
+)";
+
+Truth TruthOf(const std::string& text) {
+  const Result<World> world = ParseWorld(kHead + text, "test.yaml", ".");
+  EXPECT_TRUE(world.ok()) << world.error().message;
+  return FindTruth(world.value());
+}
+
+/// An arch 4 m wide and 1.5 m thick with an opening in the middle, turned by 30 degrees.
+std::string Arch(double width_m, double height_m) {
+  const std::string half = std::to_string(width_m / 2), top = std::to_string(height_m);
+  return "buildings:\n- {id: a, position: [1, 2], yaw_deg: 30, parts: [{axis: [0, 1], depth: [-0.75, 0.75], profile: "
+         "[[-2, 0], [-" + half + ", 0], [-" + half + ", " + top + "], [" + half + ", " + top + "], [" + half +
+         ", 0], [2, 0], [2, 2.4], [-2, 2.4]]}]}\n";
+}
+
+TEST(FindTruth, MeasuresAPlainArchExactly) {
+  const Truth truth = TruthOf(Arch(1.7, 1.5));
+  EXPECT_EQ(truth.expected, Outcome::kFlown);
+  ASSERT_THAT(truth.objects, SizeIs(1));
+  EXPECT_NEAR(truth.objects[0].height_m, 2.4, 1e-9);
+  ASSERT_THAT(truth.objects[0].footprint_in_map_m, SizeIs(1));
+  EXPECT_THAT(truth.objects[0].footprint_in_map_m[0].outer, SizeIs(4));
+  EXPECT_NEAR(Area(truth.objects[0].footprint_in_map_m[0]), 6.0, 1e-5);
+  const Passage& passage = truth.objects[0].passages.at(0);
+  EXPECT_NEAR(passage.free_width_m, 1.7, 1e-6);
+  EXPECT_NEAR(passage.free_height_m, 1.5, 1e-6);
+  const Eigen::Vector3d along = (passage.exit_m - passage.entry_m).normalized();
+  EXPECT_NEAR(std::abs(along.dot(Eigen::Vector3d(-0.5, std::sqrt(0.75), 0))), 1.0, 1e-6);
+}
+
+TEST(FindTruth, RefusesWhatIsAHairTooTight) {
+  EXPECT_EQ(TruthOf(Arch(1.205, 1.5)).expected, Outcome::kFlown);
+  EXPECT_EQ(TruthOf(Arch(1.195, 1.5)).expected, Outcome::kNotFlown);
+  EXPECT_EQ(TruthOf(Arch(1.7, 0.805)).expected, Outcome::kFlown);
+  const Truth low = TruthOf(Arch(1.7, 0.795));
+  EXPECT_EQ(low.expected, Outcome::kNotFlown);
+  EXPECT_NEAR(low.objects[0].passages.at(0).spare_m, -0.005, 1e-6);
+}
+
+TEST(FindTruth, SeesARecessAsNoPassage) {
+  EXPECT_EQ(TruthOf(Arch(1.7, 1.5) + "obstacles: [{id: back, position: [1, 2], yaw_deg: 30, parts: "
+                    "[{box: {center: [0, 0.7], size: [1.8, 0.1]}, z: [0, 1.6]}]}]").expected, Outcome::kNotFlown);
+}
+
+TEST(FindTruth, SeesAPoleInTheApproach) {
+  const Truth truth = TruthOf(Arch(1.7, 1.5) + "obstacles: [{id: pole, position: [1.6, 0.96], parts: "
+                              "[{cylinder: {radius: 0.06}, z: [0, 2]}]}]");
+  EXPECT_EQ(truth.expected, Outcome::kNotFlown);
+  EXPECT_LT(truth.objects[0].passages.at(0).free_width_m, 1.0);
+}
+
+TEST(FindTruth, FindsBothWaysUnderATable) {
+  const std::string leg = "{box: {size: [0.3, 0.3], center: ";
+  const Truth truth = TruthOf("buildings: [{id: a, parts: [{box: {center: [0, 0], size: [3.2, 2.8]}, z: [1.6, 1.9]}, " +
+                              leg + "[1.45, 1.25]}, z: [0, 1.6]}, " + leg + "[-1.45, 1.25]}, z: [0, 1.6]}, " + leg +
+                              "[1.45, -1.25]}, z: [0, 1.6]}, " + leg + "[-1.45, -1.25]}, z: [0, 1.6]}]}]");
+  ASSERT_GE(truth.objects[0].passages.size(), 2U);
+  EXPECT_TRUE(truth.objects[0].passages[0].is_passable && truth.objects[0].passages[1].is_passable);
+}
+
+TEST(FindTruth, DoesNotTakeFlyingOverOrBesideForFlyingUnder) {
+  const Truth truth = TruthOf("buildings: [{id: a, parts: [{box: {center: [0, 0], size: [4, 2]}, z: [0, 2]}, "
+                              "{box: {center: [1.5, 0], size: [1, 2]}, z: [2, 5]}]}]");
+  EXPECT_EQ(truth.expected, Outcome::kNotFlown);
+  EXPECT_THAT(truth.objects[0].passages, SizeIs(0));
+}
+
+TEST(FindTruth, ExpectsNoMatchWhenTheWantedBuildingIsAbsent) {
+  const Truth truth = TruthOf("buildings: [{id: a, absent: true, parts: [{box: {center: [0, 0], size: [4, 2]}, z: [0, 2]}]}]");
+  EXPECT_EQ(truth.expected, Outcome::kNoMatch);
+  EXPECT_THAT(truth.reason, HasSubstr("not there"));
+}
+
+}  // namespace
+}  // namespace soffit::sim
