@@ -36,11 +36,11 @@ Ring OnGround(const View& view, const Ring& ring_px, bool is_hole) {
 enum class Side { kBase, kRoof, kRadial };
 
 /// What each side of a silhouette is: seen from the nadir, walls face it and roofs end away from it.
-std::vector<Side> ClassifySides(const Ring& ring, const Vector2d& nadir, double noise_m) {
+std::vector<Side> ClassifySides(const Ring& ring, double noise_m) {
   std::vector<Side> sides;
   for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Vector2d a = ring[i] - nadir;
-    const Vector2d b = ring[(i + 1) % ring.size()] - nadir;
+    const Vector2d& a = ring[i];
+    const Vector2d& b = ring[(i + 1) % ring.size()];
     const Vector2d side = b - a;
     const double offset = std::abs(Cross(a, side)) / std::max(side.norm(), 1e-12);  // Of its line from the nadir.
     const double reach = std::min(a.norm(), b.norm());
@@ -50,6 +50,31 @@ std::vector<Side> ClassifySides(const Ring& ring, const Vector2d& nadir, double 
       sides.push_back(Side::kRadial);
     } else {
       sides.push_back(Cross(a, side) > 0.0 ? Side::kRoof : Side::kBase);  // Outward is to the right of the side.
+    }
+  }
+  return sides;
+}
+
+/// A silhouette's ring relative to the nadir: side i runs from corner i to the next.
+struct Sides {
+  Ring ring;
+  std::vector<Side> kinds;
+};
+
+/// Consecutive radial sides are one wall corner whose side was broken by noise.
+Sides DescribeSides(const Ring& ring_on_ground, const Vector2d& nadir, double noise_m) {
+  Sides sides;
+  for (const Vector2d& p : ring_on_ground) sides.ring.push_back(p - nadir);
+  sides.kinds = ClassifySides(sides.ring, noise_m);
+  for (std::size_t i = 0; sides.ring.size() > 3 && i < sides.ring.size();) {
+    const std::size_t before = (i + sides.ring.size() - 1) % sides.ring.size();
+    const double outward = (sides.ring[(i + 1) % sides.ring.size()] - sides.ring[i]).dot(sides.ring[i]);
+    const double outward_before = (sides.ring[i] - sides.ring[before]).dot(sides.ring[i]);
+    if (sides.kinds[i] == Side::kRadial && sides.kinds[before] == Side::kRadial && outward * outward_before > 0.0) {
+      sides.ring.erase(sides.ring.begin() + static_cast<std::ptrdiff_t>(i));
+      sides.kinds.erase(sides.kinds.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      ++i;
     }
   }
   return sides;
@@ -66,8 +91,10 @@ std::optional<Vector2d> Meet(const StraightLine& a, const StraightLine& b) {
   return a.point + a.direction * (Cross(b.point - a.point, b.direction) / sine);
 }
 
-/// One ring relative to the nadir; `shrink` = 1 / s.
-Ring StraightenRing(const Ring& ring, const std::vector<Side>& sides, double shrink, double noise_m) {
+/// The footprint's ring, relative to the nadir too; `shrink` = 1 / s.
+Ring StraightenRing(const Sides& silhouette, double shrink, double noise_m) {
+  const Ring& ring = silhouette.ring;
+  const std::vector<Side>& sides = silhouette.kinds;
   const std::size_t n = ring.size();
   const auto factor = [&](Side side) { return side == Side::kRoof ? shrink : 1.0; };
   const auto line = [&](std::size_t i) {
@@ -129,17 +156,29 @@ Ring StraightenRing(const Ring& ring, const std::vector<Side>& sides, double shr
   return straight;
 }
 
-/// Corners that hardly bend the ring are none.
-Ring WithoutFlatCorners(Ring ring, double tolerance_m) {
+/// Without the sides and corners that are only noise: corners that hardly bend the ring, and short sides across a
+/// corner in which their neighbours meet.
+Ring TidyRing(Ring ring, double noise_m) {
+  const double tolerance_m = 1.2 * noise_m;
   for (std::size_t i = 0; ring.size() > 3 && i < ring.size();) {
-    const Vector2d& a = ring[(i + ring.size() - 1) % ring.size()];
-    const Vector2d& b = ring[(i + 1) % ring.size()];
-    if (DistanceToSegment(ring[i], a, b) < tolerance_m) {
-      ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
+    const std::size_t n = ring.size();
+    const Vector2d before = ring[(i + n - 1) % n];
+    const Vector2d next = ring[(i + 1) % n];
+    const Vector2d after = ring[(i + 2) % n];
+    const auto drop = [&](std::size_t at) { ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(at)); };
+    if (DistanceToSegment(ring[i], before, next) < tolerance_m) {
+      drop(i);
       i = i > 0 ? i - 1 : 0;
-    } else {
-      ++i;
+      continue;
     }
+    const auto corner = Meet({before, (ring[i] - before).normalized()}, {next, (after - next).normalized()});
+    if ((next - ring[i]).norm() < 6.0 * noise_m && corner &&
+        DistanceToSegment(*corner, ring[i], next) < 2.0 * tolerance_m) {
+      ring[i] = *corner;
+      drop((i + 1) % n);
+      continue;
+    }
+    ++i;
   }
   return ring;
 }
@@ -174,6 +213,13 @@ double MeanSquaredDistance(const Ring& a, const Ring& b, const Vector2d& b_offse
   return sum / std::max(1.0, count);
 }
 
+/// How well the place of a corner along its sides is known: two sides in nearly one line hardly tell it.
+double CornerSine(const Ring& ring, std::size_t at) {
+  const Vector2d before = (ring[at] - ring[(at + ring.size() - 1) % ring.size()]).normalized();
+  const Vector2d after = (ring[(at + 1) % ring.size()] - ring[at]).normalized();
+  return std::max(0.03, std::abs(Cross(before, after)));
+}
+
 double PositionStd(const Silhouette& s) {
   return std::hypot(s.view.position_std_m, CameraHeight(s.view) * s.view.orientation_std_rad);
 }
@@ -191,13 +237,28 @@ class Disagreement {
   Disagreement(const std::vector<Silhouette>& silhouettes, const std::vector<Estimate>& priors)
       : silhouettes_(silhouettes), priors_(priors) {}
 
-  double operator()(double height_m) const {
+  double operator()(double height_m) const { return pair_weight_ * OfPairs(height_m) + OfPriors(height_m); }
+
+  /// Outlines that agree nowhere err more than they say: from now on they count for that much less.
+  void WeighPairs(double ceiling_m, int steps) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 1; i <= steps; ++i) least = std::min(least, OfPairs(ceiling_m * i / steps));
+    pair_weight_ = 1.0 / std::max(1.0, least);
+  }
+
+ private:
+  double OfPairs(double height_m) const {
     double sum = 0.0;
     std::vector<Polygon> polygons;
     for (const Silhouette& s : silhouettes_) polygons.push_back(Straighten(s, height_m));
     for (std::size_t i = 0; i < polygons.size(); ++i) {
       for (std::size_t j = i + 1; j < polygons.size(); ++j) sum += Pair(i, j, polygons[i], polygons[j], height_m);
     }
+    return sum;
+  }
+
+  double OfPriors(double height_m) const {
+    double sum = 0.0;
     for (const Estimate& prior : priors_) {  // Cauchy: a side of the building that happens to be radial misleads.
       const double error = (height_m - prior.value) / prior.std;
       sum += 2.0 * std::log1p(0.25 * error * error);
@@ -205,7 +266,6 @@ class Disagreement {
     return sum;
   }
 
- private:
   double Pair(std::size_t i, std::size_t j, const Polygon& a, const Polygon& b, double height_m) const {
     constexpr double kHopeless = 1e6;
     if (a.outer.empty() || b.outer.empty()) return kHopeless;
@@ -221,6 +281,7 @@ class Disagreement {
 
   const std::vector<Silhouette>& silhouettes_;
   const std::vector<Estimate>& priors_;
+  double pair_weight_ = 1.0;
 };
 
 }  // namespace
@@ -241,12 +302,11 @@ Polygon Straighten(const Silhouette& silhouette, double height_m) {
   const auto straighten = [&](const Ring& ring_px, bool is_hole) -> Ring {
     Ring ring = OnGround(silhouette.view, ring_px, is_hole);
     if (ring.size() < 3 || height_m == 0.0) return ring;
-    const std::vector<Side> sides = ClassifySides(ring, nadir, noise_m);
-    for (Vector2d& p : ring) p -= nadir;
-    Ring straight = WithoutFlatCorners(StraightenRing(ring, sides, shrink, noise_m), 0.8 * noise_m);
+    const Ring leaning = StraightenRing(DescribeSides(ring, nadir, noise_m), shrink, noise_m);
+    Ring straight = TidyRing(leaning, noise_m);
     for (Vector2d& p : straight) p += nadir;
     if (IsSimple(straight) && (SignedArea(straight) < 0.0) == is_hole) return straight;
-    for (Vector2d& p : ring) p = nadir + shrink * p;  // All of it taken for roof.
+    for (Vector2d& p : ring) p = nadir + shrink * (p - nadir);  // All of it taken for roof.
     return ring;
   };
   Polygon result;
@@ -266,9 +326,9 @@ std::optional<Estimate> HeightFromCorners(const Silhouette& silhouette, double m
   const double camera_height_m = CameraHeight(silhouette.view);
   const Vector2d nadir = Nadir(silhouette.view);
   const double noise_m = GroundSampling_m(silhouette);
-  const Ring ring = OnGround(silhouette.view, silhouette.outline.polygon_px.outer, false);
-  if (ring.size() < 3) return std::nullopt;
-  const std::vector<Side> sides = ClassifySides(ring, nadir, noise_m);
+  const Ring on_ground = OnGround(silhouette.view, silhouette.outline.polygon_px.outer, false);
+  if (on_ground.size() < 3) return std::nullopt;
+  const auto [ring, sides] = DescribeSides(on_ground, nadir, noise_m);
   const std::size_t n = ring.size();
   std::vector<Estimate> candidates;
   for (std::size_t i = 0; i < n; ++i) {
@@ -277,14 +337,16 @@ std::optional<Estimate> HeightFromCorners(const Silhouette& silhouette, double m
     const bool is_corner = sides[i] == Side::kRadial && ((before == Side::kBase && after == Side::kRoof) ||
                                                          (before == Side::kRoof && after == Side::kBase));
     if (!is_corner) continue;
-    const double first = (ring[i] - nadir).norm();
-    const double second = (ring[(i + 1) % n] - nadir).norm();
+    const double first = ring[i].norm();
+    const double second = ring[(i + 1) % n].norm();
     const double base = before == Side::kBase ? first : second;
     const double roof = before == Side::kBase ? second : first;
     const double scale = roof / base;
     const double height_m = camera_height_m * (1.0 - 1.0 / scale);
     if (!(height_m > 0.0) || height_m > std::min(max_height_m, kHighestRatio * camera_height_m)) continue;
-    const double scale_std = kOutlineStd_px * 2.0 * noise_m * std::hypot(1.0, scale) / base;
+    const double before_std = noise_m * kOutlineStd_px / CornerSine(ring, i);
+    const double after_std = noise_m * kOutlineStd_px / CornerSine(ring, (i + 1) % n);
+    const double scale_std = std::hypot(before_std, after_std) * scale / base;
     candidates.push_back({height_m, camera_height_m / (scale * scale) * scale_std});
   }
   if (candidates.empty()) return std::nullopt;
@@ -317,15 +379,14 @@ std::optional<Estimate> HeightFromParallax(const std::vector<Silhouette>& silhou
   double ceiling_m = max_height_m;
   for (const Silhouette& s : silhouettes) ceiling_m = std::min(ceiling_m, kHighestRatio * CameraHeight(s.view));
   if (!(ceiling_m > 0.0) || silhouettes.empty() || (silhouettes.size() < 2 && priors.empty())) return std::nullopt;
-  const Disagreement disagreement(silhouettes, priors);
   constexpr int kSteps = 80;
+  Disagreement disagreement(silhouettes, priors);
+  disagreement.WeighPairs(ceiling_m, kSteps);
   double best_m = 0.0;
   double least = std::numeric_limits<double>::infinity();
-  double mean = 0.0;
   for (int i = 1; i <= kSteps; ++i) {
     const double height_m = ceiling_m * i / kSteps;
     const double value = disagreement(height_m);
-    mean += std::min(value, 1e3) / kSteps;
     if (value < least) {
       least = value;
       best_m = height_m;
@@ -348,11 +409,10 @@ std::optional<Estimate> HeightFromParallax(const std::vector<Silhouette>& silhou
   }
   // The height is known as well as the disagreement rises about it: by one half in one standard deviation.
   double std_m = 0.002 * ceiling_m;
-  const double roughness = std::max(0.5, least);
   while (std_m < ceiling_m) {
     const double above = disagreement(std::min(ceiling_m, best_m + std_m));
     const double below = disagreement(std::max(1e-6, best_m - std_m));
-    if (std::min(above, below) - least >= 0.5 * roughness / 0.5) break;
+    if (std::min(above, below) - least >= 0.5) break;
     std_m *= 1.25;
   }
   if (std_m > 0.5 * best_m || best_m >= ceiling_m) return std::nullopt;

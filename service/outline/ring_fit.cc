@@ -189,7 +189,7 @@ void SharpenCorners(std::vector<FitSide>& sides, double reach) {
     const double sine = Cross(before.line.direction, after.line.direction);
     const double length = (after.start - sides[i].start).norm();
     const double shorter = std::min(before.line.count, after.line.count);
-    bool is_bevel = std::abs(sine) > 0.3 && length < 0.5 * shorter && length < 4.0 * reach;
+    bool is_bevel = std::abs(sine) > 0.3 && length < 0.7 * shorter;
     if (is_bevel) {
       const Vector2d corner =
           before.line.point +
