@@ -1,0 +1,213 @@
+#include "test/sim/autopilot/autopilot.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace soffit::sim {
+namespace {
+
+using namespace mavlink;
+
+constexpr double kTimesyncPeriod_s = 10.0;
+
+double Radians(double angle_deg) { return angle_deg * M_PI / 180.0; }
+
+/// A whole number that came as a float; one that no message has when it is none.
+std::uint32_t ToWhole(double number) {
+  return number >= 0.0 && number < 16777216.0 ? static_cast<std::uint32_t>(number) : UINT32_MAX;
+}
+
+CommandRequest ToRequest(const CommandLong& m) {
+  return {m.command, m.param1, m.param2, m.param3, m.param4, m.param5, m.param6, m.param7};
+}
+
+CommandRequest ToRequest(const CommandInt& m) {
+  return {m.command,
+          m.param1,
+          m.param2,
+          m.param3,
+          m.param4,
+          static_cast<double>(m.x),
+          static_cast<double>(m.y),
+          static_cast<double>(m.z),
+          m.frame};
+}
+
+}  // namespace
+
+Autopilot::Autopilot(const AutopilotOptions& options, std::map<std::string, double> parameters)
+    : options_(options),
+      parameters_(std::move(parameters)),
+      telemetry_(options.system_id, kComponentAutopilot) {}
+
+void Autopilot::SetGps(bool is_there) {
+  if (has_gps_ != is_there) gps_changed_s_ = boot_s_;
+  has_gps_ = is_there;
+}
+
+void Autopilot::SetRadio(bool is_there) {
+  if (has_radio_ && !is_there) radio_lost_s_ = boot_s_;
+  has_radio_ = is_there;
+}
+
+void Autopilot::Reboot() {
+  boot_s_ = 0.0;
+  gps_changed_s_ = 0.0;
+  next_timesync_s_ = 1.0;
+  last_heartbeat_of_gcs_s_ = -1.0;
+  is_armed_ = false;
+  goal_ = {};
+  frame_.reset();
+  home_in_map_m_.reset();
+  telemetry_.Stop();
+  Boot();
+}
+
+void Autopilot::Crash() {
+  if (is_armed_) Announce(kSeverityEmergency, "Crash: Disarming");
+  is_armed_ = false;
+}
+
+void Autopilot::SetOrigin(const Eigen::Vector3d& in_map_m) {
+  frame_.emplace(options_.map_origin, in_map_m);
+  telemetry_.SendNow(GpsGlobalOrigin::kId, MakeReport());
+}
+
+void Autopilot::SetHome(const Eigen::Vector3d& in_map_m) {
+  home_in_map_m_ = in_map_m;
+  telemetry_.SendNow(HomePosition::kId, MakeReport());
+}
+
+Eigen::Vector3d Autopilot::StoppingPoint() const {
+  const Eigen::Vector3d& velocity_mps = senses_.estimate.velocity_mps;
+  return senses_.estimate.position_m +
+         velocity_mps * (velocity_mps.norm() / (2.0 * limits_.acceleration_mps2));
+}
+
+bool Autopilot::IsForUs(std::uint8_t system, std::uint8_t component) const {
+  return (system == 0 || system == options_.system_id) &&
+         (component == 0 || component == kComponentAutopilot);
+}
+
+void Autopilot::Receive(const Frame& frame) {
+  if (frame.system_id == options_.system_id && frame.component_id == kComponentAutopilot)
+    return;  // Our own echo.
+  if (Decode<Heartbeat>(frame)) return TakeHeartbeat(frame);
+  if (const auto m = Decode<Timesync>(frame)) return AnswerTimesync(frame, *m);
+  if (const auto m = Decode<CommandLong>(frame); m && IsForUs(m->target_system, m->target_component)) {
+    return AnswerCommand(frame, ToRequest(*m));
+  }
+  if (const auto m = Decode<CommandInt>(frame); m && IsForUs(m->target_system, m->target_component)) {
+    return AnswerCommand(frame, ToRequest(*m));
+  }
+  if (const auto m = Decode<SetPositionTargetLocalNed>(frame);
+      m && IsForUs(m->target_system, m->target_component)) {
+    return TakeSetpoint(*m);
+  }
+  if (const auto m = Decode<RequestDataStream>(frame); m && IsForUs(m->target_system, m->target_component)) {
+    return SetDataStream(*m);
+  }
+  if (const auto m = Decode<ParamRequestRead>(frame); m && IsForUs(m->target_system, m->target_component)) {
+    if (const auto answer = parameters_.Read(*m)) telemetry_.Send(*answer);
+    return;
+  }
+  if (const auto m = Decode<ParamSet>(frame); m && IsForUs(m->target_system, m->target_component)) {
+    if (const auto answer = parameters_.Write(*m)) telemetry_.Send(*answer);
+    return;
+  }
+  if (const auto m = Decode<SetGpsGlobalOrigin>(frame);
+      m && m->target_system == options_.system_id && !frame_) {
+    const GeodeticOrigin origin{m->latitude * 1e-7, m->longitude * 1e-7, m->altitude * 1e-3};
+    return SetOrigin(NedFrame(options_.map_origin, Eigen::Vector3d::Zero()).MapOf(origin));
+  }
+  if (const auto m = Decode<GimbalManagerSetPitchyaw>(frame);
+      m && IsForUs(m->target_system, m->target_component)) {
+    gimbal_.Point(static_cast<double>(m->pitch), static_cast<double>(m->yaw),
+                  (m->flags & kGimbalYawLock) != 0);
+  }
+}
+
+void Autopilot::AnswerCommand(const Frame& frame, const CommandRequest& request) {
+  mavlink::CommandAck ack;
+  ack.command = request.command;
+  ack.result = Execute(request);
+  ack.target_system = frame.system_id;
+  ack.target_component = frame.component_id;
+  telemetry_.Send(ack);
+}
+
+void Autopilot::AnswerTimesync(const Frame& frame, const Timesync& request) {
+  if (request.tc1 != 0) return;  // The answer to ours.
+  telemetry_.Send(Timesync{BootNs(), request.ts1, frame.system_id, frame.component_id});
+}
+
+CommandResult Autopilot::ExecuteCommon(const CommandRequest& request) {
+  const std::uint32_t message_id = ToWhole(request.param1);
+  switch (request.command) {
+    case kCmdSetMessageInterval: {
+      const double interval_us = request.param2;
+      return telemetry_.SetInterval(message_id, interval_us > 0.0 ? std::max(interval_us * 1e-6, 0.005) : 0.0)
+                 ? kResultAccepted
+                 : kResultDenied;
+    }
+    case kCmdRequestMessage:
+      return telemetry_.SendNow(message_id, MakeReport()) ? kResultAccepted : kResultFailed;
+    case kCmdRequestAutopilotCapabilities:
+      telemetry_.SendNow(AutopilotVersion::kId, MakeReport());
+      return kResultAccepted;
+    case kCmdGetHomePosition:
+      return telemetry_.SendNow(HomePosition::kId, MakeReport()) ? kResultAccepted : kResultFailed;
+    case kCmdDoGimbalManagerConfigure:
+      return kResultAccepted;
+    case kCmdDoGimbalManagerPitchyaw:
+      gimbal_.Point(Radians(request.param1), Radians(request.param2),
+                    (ToWhole(request.x) & kGimbalYawLock) != 0);
+      return kResultAccepted;
+    case kCmdDoMountControl:  // Pitch, roll, yaw in degrees; mode 2 is "as told by MAVLink".
+      if (request.z != 2.0) return kResultUnsupported;
+      gimbal_.Point(Radians(request.param1), Radians(request.param3), false);
+      return kResultAccepted;
+    case kCmdPreflightRebootShutdown:
+      if (is_armed_) return kResultFailed;
+      if (request.param1 != 1.0) return kResultUnsupported;
+      Reboot();
+      return kResultAccepted;
+    default:
+      return kResultUnsupported;
+  }
+}
+
+Report Autopilot::MakeReport() const {
+  Report report;
+  report.boot_s = boot_s_;
+  report.utc_ns = senses_.utc_ns;
+  report.estimate = senses_.estimate;
+  report.frame = frame_ ? &*frame_ : nullptr;
+  report.home_in_map_m = home_in_map_m_;
+  report.has_gps = has_gps_;
+  report.has_radio = has_radio_;
+  report.battery_ratio = senses_.battery_ratio;
+  report.gimbal_pitch_rad = gimbal_.pitch_rad();
+  report.gimbal_yaw_from_nose_rad = gimbal_.yaw_from_nose_rad();
+  report.gimbal_yaw_from_north_rad = gimbal_.yaw_from_north_rad();
+  report.is_gimbal_yaw_against_north = gimbal_.is_yaw_against_north();
+  Describe(report);
+  return report;
+}
+
+MotorCommand Autopilot::Step(const Senses& senses, double dt_s) {
+  senses_ = senses;
+  boot_s_ += dt_s;
+  Update(dt_s);
+  if (!is_armed_) goal_.kind = FlightGoal::Kind::kMotorsOff;
+  const MotorCommand command = control_.Step(goal_, limits_, senses_.estimate, dt_s);
+  gimbal_.Step(senses_.estimate.map_from_body, dt_s);
+  telemetry_.Step(MakeReport());
+  if (boot_s_ >= next_timesync_s_) {
+    next_timesync_s_ += kTimesyncPeriod_s;
+    telemetry_.Send(Timesync{0, BootNs(), 0, 0});
+  }
+  return command;
+}
+
+}  // namespace soffit::sim
