@@ -2,58 +2,33 @@
 #include <iostream>
 #include <memory>
 
+#include "service/edge/cli/analyze_folder.h"
 #include "service/edge/cli/commands.h"
-#include "service/edge/files/analysis.h"
-#include "service/edge/files/result.h"
-#include "service/edge/files/survey.h"
-#include "shared/options/yaml.h"
+#include "service/edge/drawing/shapes.h"
+#include "service/edge/files/outputs.h"
 
 namespace soffit {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct AnalyzeArguments {
-  fs::path survey;
-  fs::path out;
-  fs::path config;
+  std::filesystem::path survey;
+  std::filesystem::path out;
+  std::filesystem::path config;
 };
 
-Result<Analysis> AnalyzeFolder(const AnalyzeArguments& arguments) {
-  PipelineOptions options;
-  if (!arguments.config.empty()) {
-    const Result<PipelineOptions> read = ReadOptionsFile<PipelineOptions>(arguments.config.string());
-    if (!read.ok()) return read.error();
-    options = read.value();
-  }
-  const Result<Survey> survey = ReadSurvey(arguments.survey);
-  if (!survey.ok()) return survey.error();
-  const Result<Reference> reference = ReadReferenceFile(arguments.survey / survey.value().reference_file);
-  if (!reference.ok()) return reference.error();
-  if (!survey.value().colors.empty()) options.mask.colors = survey.value().colors;
-  return Analyze(survey.value(), reference.value(), options);
-}
-
-void PrintSummary(const Understanding& all) {
-  for (const std::string& problem : all.problems) std::cerr << "soffit analyze: " << problem << '\n';
-  for (const ClearanceDecision& decision : all.decisions) {
-    std::cout << "building " << decision.object_id;
-    if (decision.side >= 0) std::cout << ", side " << decision.side;
-    std::cout << ": " << ToString(decision.verdict) << " (" << decision.reason << ")\n";
-  }
-}
-
-[[noreturn]] void Fail(const std::string& message) {
-  std::cerr << "soffit analyze: " << message << '\n';
+[[noreturn]] void Fail(const Error& error) {
+  std::cerr << "soffit analyze: " << error.message << '\n';
   throw CLI::RuntimeError(1);
 }
 
 void RunAnalyze(const AnalyzeArguments& arguments) {
-  const Result<Analysis> analysis = AnalyzeFolder(arguments);
-  if (!analysis.ok()) Fail(analysis.error().message);
-  const Status written = WriteResult(arguments.out, analysis.value().understanding, analysis.value().observations);
-  if (!written.ok()) Fail(written.error().message);
-  PrintSummary(analysis.value().understanding);
+  const Result<FolderAnalysis> read = AnalyzeFolder(arguments.survey, arguments.config);
+  if (!read.ok()) Fail(read.error());
+  const Understanding& all = read.value().analysis.understanding;
+  for (const std::string& problem : all.problems) std::cerr << "soffit analyze: " << problem << '\n';
+  for (const ClearanceDecision& decision : all.decisions) std::cout << Describe(decision) << '\n';
+  const Status written = WriteOutputs(arguments.out, read.value().analysis, {});
+  if (!written.ok()) Fail(written.error());
 }
 
 }  // namespace

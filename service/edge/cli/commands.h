@@ -9,6 +9,7 @@ namespace soffit {
 // code).
 
 void AddAnalyzeCommand(CLI::App& app);
+void AddReportCommand(CLI::App& app);
 void AddRecognizeCommand(CLI::App& app);
 
 }  // namespace soffit

@@ -158,8 +158,8 @@ std::vector<std::string> Wrap(const std::vector<std::string>& lines, double scal
 
 }  // namespace
 
-cv::Mat3b AddCaption(const cv::Mat3b& picture, const std::string& title, const std::vector<std::string>& lines,
-                     const std::vector<LegendEntry>& legend) {
+cv::Mat3b AddCaption(const Drawing& drawing) {
+  const auto& [picture, title, lines, legend] = drawing;
   const double unit = std::max(0.7, picture.cols / 1280.0);
   const double scale = kFontScale * unit;
   const int thickness = std::max(1, cvRound(unit));

@@ -62,9 +62,16 @@ class Canvas {
   double unit_;
 };
 
-/// A white strip with a title, lines of text and a legend below the picture, so that it hides nothing.
-cv::Mat3b AddCaption(const cv::Mat3b& picture, const std::string& title, const std::vector<std::string>& lines,
-                     const std::vector<LegendEntry>& legend);
+/// A picture and what there is to say about it.
+struct Drawing {
+  cv::Mat3b picture;
+  std::string title;
+  std::vector<std::string> lines;
+  std::vector<LegendEntry> legend;
+};
+
+/// The picture above a white strip with title, text and legend, so that these hide nothing.
+cv::Mat3b AddCaption(const Drawing& drawing);
 
 /// Pictures of any size side by side at the same height.
 cv::Mat3b PlaceSideBySide(const std::vector<cv::Mat3b>& pictures, int height_px);

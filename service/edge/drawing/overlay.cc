@@ -30,13 +30,13 @@ class Overlay {
   Overlay(const Observation& seen, const Understanding& all)
       : seen_(seen), all_(all), view_(seen.image.view), canvas_(seen.image.bgr) {}
 
-  cv::Mat3b Draw() {
+  Drawing Draw() {
     for (const Outline& outline : seen_.outlines) DrawOutline(outline);
     for (const SceneObject& object : all_.scene.objects) DrawObject(object);
     for (const Solid& solid : all_.scene.solids) DrawOpenings(solid);
     for (const ClearanceDecision& decision : all_.decisions) DrawDecision(decision);
     for (const SceneObject& object : all_.scene.objects) LabelObject(object);
-    return AddCaption(canvas_.picture(), Title(), Lines(), Legend());
+    return {canvas_.picture(), Title(), Lines(), Legend()};
   }
 
  private:
@@ -125,7 +125,7 @@ class Overlay {
 
 }  // namespace
 
-cv::Mat3b DrawOverlay(const Observation& seen, const Understanding& understanding) {
+Drawing DrawOverlay(const Observation& seen, const Understanding& understanding) {
   return Overlay(seen, understanding).Draw();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "service/edge/drawing/canvas.h"
 #include "service/pipeline/pipeline.h"
 
 namespace soffit {
@@ -7,6 +8,6 @@ namespace soffit {
 /// The picture with what was found in it drawn over it, for people: outlines of the colour extraction, buildings of the
 /// vector map with the wanted ones marked, walls, openings (through or recess), corridor with its decision, and the
 /// reason of a refusal; with a legend below. Same input, same picture.
-cv::Mat3b DrawOverlay(const Observation& seen, const Understanding& understanding);
+Drawing DrawOverlay(const Observation& seen, const Understanding& understanding);
 
 }  // namespace soffit

@@ -116,19 +116,19 @@ class ScenePicture {
     }
   }
 
-  cv::Mat3b Draw() {
+  Drawing Draw() {
     Canvas canvas(Render());
     DrawLines(canvas);
     std::vector<std::string> lines;
     for (const ClearanceDecision& decision : all_.decisions) lines.push_back(Describe(decision));
-    return AddCaption(canvas.picture(), "Enriched scene", lines,
+    return {canvas.picture(), "Enriched scene", lines,
                       {{kThrough, "opening, goes through"},
                        {kRecess, "opening, a recess"},
                        {kClear, "corridor, CLEAR"},
                        {kRefused, "corridor, refused"},
                        {kTrack, "flown track"},
                        {kCamera, "camera of a picture"},
-                       {{ink::kVermilion, 8.0, false}, "occupied beside the models"}});
+                       {{ink::kVermilion, 8.0, false}, "occupied beside the models"}}};
   }
 
  private:
@@ -425,7 +425,7 @@ class ScenePicture {
 
 }  // namespace
 
-cv::Mat3b DrawScenePicture(const Understanding& understanding, const std::vector<Observation>& observations,
+Drawing DrawScenePicture(const Understanding& understanding, const std::vector<Observation>& observations,
                            const std::vector<Eigen::Vector3d>& track_in_map_m, const cv::Size& size_px) {
   return ScenePicture(understanding, observations, track_in_map_m, size_px).Draw();
 }

@@ -36,7 +36,7 @@ class TopView {
         px_per_m_(kLongSide_px / box_.sizes().maxCoeff()),
         canvas_(DrawOccupancy()) {}
 
-  cv::Mat3b Draw() {
+  Drawing Draw() {
     for (const SceneObject& object : all_.scene.objects) DrawObject(object);
     for (const Solid& solid : all_.scene.solids) DrawOpenings(solid);
     for (const ClearanceDecision& decision : all_.decisions) DrawCorridor(decision);
@@ -46,8 +46,8 @@ class TopView {
     std::vector<std::string> lines;
     for (const ClearanceDecision& decision : all_.decisions) lines.push_back(Describe(decision));
     for (const std::string& problem : all_.problems) lines.push_back(problem);
-    return AddCaption(canvas_.picture(), "Scene from above, north up; occupancy at " + FormatNumber(SliceHeight(), 2) + " m",
-                      lines, Legend());
+    return {canvas_.picture(), "Scene from above, north up; occupancy at " + FormatNumber(SliceHeight(), 2) + " m",
+                      lines, Legend()};
   }
 
  private:
@@ -196,7 +196,7 @@ class TopView {
 
 }  // namespace
 
-cv::Mat3b DrawTopView(const Understanding& understanding, const std::vector<Observation>& observations,
+Drawing DrawTopView(const Understanding& understanding, const std::vector<Observation>& observations,
                       const std::vector<Eigen::Vector3d>& track_in_map_m) {
   return TopView(understanding, observations, track_in_map_m).Draw();
 }

@@ -117,7 +117,7 @@ Json PictureToJson(const Image& image) {
           {"position", PointToJson(image.view.map_from_camera.translation_m)}};
 }
 
-Json ToJson(const Understanding& all, const std::vector<Observation>& observations) {
+Json ToJson(const Understanding& all, const std::vector<Observation>& observations, const FlightRecord& flight) {
   Json json = {{"format", "soffit-result/1"},
                {"revision", all.scene.revision},
                {"objects", Json::array()},
@@ -139,6 +139,8 @@ Json ToJson(const Understanding& all, const std::vector<Observation>& observatio
     json["candidates"].push_back(candidate);
   }
   for (const Observation& seen : observations) json["pictures"].push_back(PictureToJson(seen.image));
+  if (!flight.mission.is_null()) json["mission"] = flight.mission;
+  if (!flight.truth.is_null()) json["truth"] = flight.truth;
   return json;
 }
 
@@ -164,12 +166,12 @@ Status WriteOctree(const fs::path& file, const octomap::OcTree& octree) {
 }  // namespace
 
 Status WriteResult(const fs::path& folder, const Understanding& understanding,
-                   const std::vector<Observation>& observations) {
+                   const std::vector<Observation>& observations, const FlightRecord& flight) {
   for (const Solid& solid : understanding.scene.solids) {
     if (Status status = WriteFile(folder / MeshFile(solid), ToObj(solid)); !status.ok()) return status;
   }
   if (Status status = WriteOctree(folder / "scene.bt", *understanding.scene.octree); !status.ok()) return status;
-  return WriteFile(folder / "result.json", ToJson(understanding, observations).dump(1) + "\n");
+  return WriteFile(folder / "result.json", ToJson(understanding, observations, flight).dump(1) + "\n");
 }
 
 }  // namespace soffit

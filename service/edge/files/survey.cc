@@ -141,6 +141,11 @@ Survey ReadDocument(const Node& root) {
   if (root.Has("colors")) {
     for (const Node& color : root.At("colors").List(1, 16)) survey.colors.push_back(color.Text());
   }
+  if (root.Has("origin")) {
+    const Node origin = root.At("origin");
+    survey.origin = {origin.At("latitude_deg").Number(-90, 90), origin.At("longitude_deg").Number(-180, 180),
+                     origin.At("altitude_amsl_m").Number(-1000, 10000)};
+  }
   const Node camera = root.At("camera");
   const Intrinsics intrinsics = ReadCamera(camera);
   for (const Node& frame : root.At("frames").List(1, 100000)) {
@@ -203,6 +208,11 @@ Status WriteSurvey(const fs::path& folder, const Survey& survey) {
                {"reference", {{"image", survey.reference_file}}},
                {"frames", Json::array()}};
   if (!survey.colors.empty()) json["colors"] = survey.colors;
+  if (survey.origin) {
+    json["origin"] = {{"latitude_deg", survey.origin->latitude_deg},
+                      {"longitude_deg", survey.origin->longitude_deg},
+                      {"altitude_amsl_m", survey.origin->altitude_amsl_m}};
+  }
   for (const Capture& capture : survey.captures) {
     json["frames"].push_back(ToJson(capture));
     std::error_code ignored;

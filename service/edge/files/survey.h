@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct Survey {
   VehicleEnvelope vehicle;
   std::string reference_file;         ///< The small map of what is wanted, relative to the folder.
   std::vector<std::string> colors;    ///< Of buildings; empty: as the options say.
+  std::optional<GeodeticOrigin> origin;  ///< Of the map, where it is known.
 };
 
 /// Reads `folder/survey.json` (format soffit-survey/1) and the bytes of its pictures, which are not decoded here.

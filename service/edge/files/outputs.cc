@@ -1,0 +1,20 @@
+#include "service/edge/files/outputs.h"
+
+#include "service/edge/files/city_json.h"
+#include "service/edge/files/file.h"
+#include "service/edge/files/geopackage.h"
+#include "service/edge/files/pictures.h"
+#include "service/edge/files/result.h"
+
+namespace soffit {
+
+Status WriteOutputs(const std::filesystem::path& folder, const Analysis& analysis, const FlightRecord& flight) {
+  const auto& [observations, understanding] = analysis;
+  Status status = WriteFile(folder / "scene.city.json", ToCityJson(understanding.scene));
+  if (status.ok()) status = WriteGeoPackage(folder / "scene.gpkg", understanding, observations, flight);
+  if (status.ok()) status = WritePictures(folder, understanding, observations, flight);
+  if (status.ok()) status = WriteResult(folder, understanding, observations, flight);
+  return status;
+}
+
+}  // namespace soffit
