@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "service/mask/median.h"
 #include "shared/result/result.h"
 
 namespace soffit {
@@ -114,8 +115,7 @@ Mask SegmentBuildings(const Image& image, const MaskOptions& options) {
   SOFFIT_EXPECT(!image.bgr.empty());
   const std::array<std::uint8_t, kHues> class_of_hue = ClassOfHue(options.colors);
 
-  cv::Mat3b hsv;
-  cv::medianBlur(image.bgr, hsv, options.median_px);
+  cv::Mat3b hsv = FilterMedian(image.bgr, options.median_px);
   hsv = CorrectGamma(hsv, options.gamma);
   cv::cvtColor(hsv, hsv, cv::COLOR_BGR2HSV_FULL);
 
