@@ -1,0 +1,158 @@
+#include "service/footprint/footprint.h"
+
+#include <gmock/gmock.h>
+
+#include "service/footprint/lean.h"
+#include "shared/result/result.h"
+#include "test/support/aerial_world.h"
+
+namespace soffit {
+namespace {
+
+using test::Block;
+using test::Box;
+using test::LookDown;
+using test::LShape;
+using test::RelativeDifference;
+using test::TraceBlocks;
+using test::Turned;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+const Ring kBeside = Turned(Box(2.0, 1.2), 0.4, {2.4, 0.9});
+
+TEST(TraceFootprints, TakesTheLeanOfABoxOffAndTellsItsHeight) {
+  const auto footprints = TraceBlocks(LookDown({0, 0, 9}), 1, {{kBeside, 1.5}});
+  ASSERT_THAT(footprints, SizeIs(1));
+  EXPECT_NEAR(footprints[0].height_m, 1.5, 0.06);
+  EXPECT_THAT(footprints[0].polygon_in_map_m.outer, SizeIs(4));
+  EXPECT_LT(RelativeDifference(kBeside, footprints[0].polygon_in_map_m.outer), 0.03);
+  EXPECT_FALSE(footprints[0].is_cut);
+  EXPECT_THAT(footprints[0].captures, ElementsAre(1));
+}
+
+TEST(TraceFootprints, HandlesATiltedCamera) {
+  const auto footprints = TraceBlocks(LookDown({0, 0, 9}, 1.1, 0.15), 1, {{kBeside, 1.5}});
+  ASSERT_THAT(footprints, SizeIs(1));
+  EXPECT_NEAR(footprints[0].height_m, 1.5, 0.06);
+  EXPECT_LT(RelativeDifference(kBeside, footprints[0].polygon_in_map_m.outer), 0.03);
+}
+
+TEST(TraceFootprints, StraightensAnLWithItsInnerCorner) {
+  const Ring shape = Turned(LShape(), 2.0, {2.5, -1.0});
+  const auto footprints = TraceBlocks(LookDown({0, 0, 12}), 1, {{shape, 2.0}});
+  ASSERT_THAT(footprints, SizeIs(1));
+  EXPECT_NEAR(footprints[0].height_m, 2.0, 0.1);
+  EXPECT_LT(RelativeDifference(shape, footprints[0].polygon_in_map_m.outer), 0.03);
+}
+
+TEST(TraceFootprints, DoesNotKnowTheHeightOfWhatLiesRightBeneath) {
+  const auto footprints = TraceBlocks(LookDown({0, 0, 9}), 1, {{Box(3, 2), 2.0}});
+  ASSERT_THAT(footprints, SizeIs(1));
+  EXPECT_EQ(footprints[0].height_m, 0.0);
+  EXPECT_EQ(footprints[0].height_std_m, 0.0);
+}
+
+TEST(TraceFootprints, MarksWhatThePictureCuts) {
+  const auto footprints = TraceBlocks(LookDown({0, 0, 9}), 1, {{Box(30, 2), 2.0}});
+  ASSERT_THAT(footprints, SizeIs(1));
+  EXPECT_TRUE(footprints[0].is_cut);
+}
+
+TEST(TraceFootprints, LeavesOutWhatIsTooSmall) {
+  EXPECT_THAT(TraceBlocks(LookDown({0, 0, 9}), 1, {{Box(0.3, 0.3), 0.2}}), IsEmpty());
+  EXPECT_THAT(TraceBlocks(LookDown({0, 0, 9}), 1, {}), IsEmpty());
+}
+
+TEST(TraceFootprints, RefusesACameraThatDoesNotLookDown) {
+  Image image;
+  image.view = LookDown({0, 0, 9});
+  image.view.map_from_camera.rotation = CameraAttitude(0.0, -0.7);
+  EXPECT_THROW(TraceFootprints(image, {}, {}), ContractViolation);
+}
+
+TEST(MergeFootprints, TellsTheHeightByParallax) {
+  const std::vector<Block> blocks = {{Turned(Box(3, 2), 0.2), 2.0}};
+  const auto high = TraceBlocks(LookDown({0.1, 0.1, 9}), 1, blocks);
+  const auto low = TraceBlocks(LookDown({-0.1, 0.05, 6.5}, 1.0), 2, blocks);
+  const auto map = MergeFootprints(MergeFootprints({}, high), low);
+  ASSERT_THAT(map, SizeIs(1));
+  EXPECT_NEAR(map[0].height_m, 2.0, 0.05);
+  EXPECT_GT(map[0].height_std_m, 0.0);
+  EXPECT_LT(map[0].height_std_m, 0.2);
+  EXPECT_LT(RelativeDifference(blocks[0].ring_in_map_m, map[0].polygon_in_map_m.outer), 0.02);
+  EXPECT_THAT(map[0].captures, ElementsAre(1, 2));
+}
+
+TEST(MergeFootprints, KeepsIdsAndNumbersNewBuildings) {
+  const Block first{Turned(Box(3, 2), 0.2), 2.0};
+  const Block second{Turned(Box(1.5, 1.5), 0.2, {4, 1}), 1.0};
+  const auto map = MergeFootprints({}, TraceBlocks(LookDown({0, 0, 7}), 1, {first}));
+  ASSERT_THAT(map, SizeIs(1));
+  const auto more = MergeFootprints(map, TraceBlocks(LookDown({2, 0, 12}), 2, {second, first}));
+  ASSERT_THAT(more, SizeIs(2));
+  EXPECT_EQ(more[0].object_id, 1u);
+  EXPECT_EQ(more[1].object_id, 2u);
+  EXPECT_LT(RelativeDifference(first.ring_in_map_m, more[0].polygon_in_map_m.outer), 0.04);
+}
+
+TEST(MergeFootprints, LetsAWholeViewWinOverACutOne) {
+  const std::vector<Block> blocks = {{Turned(Box(6, 2), 0.2), 1.0}};
+  const auto cut = TraceBlocks(LookDown({3.5, 0, 5}), 1, blocks);
+  ASSERT_THAT(cut, SizeIs(1));
+  ASSERT_TRUE(cut[0].is_cut);
+  const auto map = MergeFootprints(MergeFootprints({}, cut), TraceBlocks(LookDown({0, 1, 12}), 2, blocks));
+  ASSERT_THAT(map, SizeIs(1));
+  EXPECT_FALSE(map[0].is_cut);
+}
+
+TEST(MergeFootprints, GivesTheSameForTheSame) {
+  const std::vector<Block> blocks = {{kBeside, 1.5}, {Turned(LShape(), 1.0, {-4, 0}), 2.0}};
+  const auto once = MergeFootprints({}, TraceBlocks(LookDown({0, 0, 12}), 1, blocks));
+  const auto again = MergeFootprints({}, TraceBlocks(LookDown({0, 0, 12}), 1, blocks));
+  ASSERT_EQ(once.size(), again.size());
+  for (std::size_t i = 0; i < once.size(); ++i) {
+    EXPECT_EQ(once[i].polygon_in_map_m.outer, again[i].polygon_in_map_m.outer);
+    EXPECT_EQ(once[i].height_m, again[i].height_m);
+  }
+}
+
+TEST(WithHeight, DrawsTheTrueSizeForTheTrueHeight) {
+  const Ring ring = Turned(Box(3, 2), 0.2);
+  const auto seen = TraceBlocks(LookDown({0, 0, 9}), 1, {{ring, 2.0}});
+  ASSERT_THAT(seen, SizeIs(1));
+  EXPECT_GT(RelativeDifference(ring, seen[0].polygon_in_map_m.outer), 0.3);
+  const Footprint right = WithHeight(seen[0], 2.0, 0.05);
+  EXPECT_LT(RelativeDifference(ring, right.polygon_in_map_m.outer), 0.02);
+  EXPECT_EQ(right.height_m, 2.0);
+  EXPECT_EQ(right.height_std_m, 0.05);
+  EXPECT_EQ(right.corner_std_m.size(), right.polygon_in_map_m.outer.size());
+}
+
+TEST(WithHeight, RefusesAHeightAboveTheCamera) {
+  const auto seen = TraceBlocks(LookDown({0, 0, 9}), 1, {{Box(3, 2), 2.0}});
+  ASSERT_THAT(seen, SizeIs(1));
+  EXPECT_THROW(WithHeight(seen[0], 9.5, 0.1), ContractViolation);
+  EXPECT_THROW(WithHeight(seen[0], 0.0, 0.1), ContractViolation);
+}
+
+TEST(Straighten, KeepsACourtyard) {
+  Silhouette silhouette;
+  silhouette.view = LookDown({0, 0, 10});
+  const double k = 850.0 / 10.0;
+  const auto square = [&](double half, bool reversed) {
+    Ring ring;
+    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) ring.emplace_back(635.2 + x * half * k, 483.1 + y * half * k);
+    if (reversed) std::reverse(ring.begin(), ring.end());
+    return ring;
+  };
+  silhouette.outline.polygon_px = {square(2.5, false), {square(1.0, true)}};
+  const Polygon straight = lean::Straighten(silhouette, 2.0);
+  ASSERT_THAT(straight.holes, SizeIs(1));
+  EXPECT_NEAR(SignedArea(straight.outer), 16.0, 0.01);  // Roof edges shrink by 8 / 10.
+  EXPECT_NEAR(SignedArea(straight.holes[0]), -4.0, 0.01);  // The court's base is seen itself.
+}
+
+}  // namespace
+}  // namespace soffit

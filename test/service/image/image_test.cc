@@ -1,0 +1,199 @@
+#include "service/image/image.h"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "service/image/picture_header.h"
+
+namespace soffit {
+namespace {
+
+using ::testing::HasSubstr;
+
+using Bytes = std::vector<std::uint8_t>;
+
+cv::Mat3b Pattern(int width, int height) {
+  cv::Mat3b picture(height, width, cv::Vec3b(40, 90, 160));
+  cv::rectangle(picture, cv::Rect(width / 4, height / 4, width / 2, height / 2), cv::Scalar(200, 30, 20), cv::FILLED);
+  return picture;
+}
+
+Bytes Encode(const char* extension, const cv::Mat& picture, const std::vector<int>& parameters = {}) {
+  Bytes bytes;
+  cv::imencode(extension, picture, bytes, parameters);
+  return bytes;
+}
+
+Capture CaptureOf(Bytes bytes, int width = 64, int height = 48) {
+  Capture capture;
+  capture.capture_id = 5;
+  capture.name = "top_1.jpg";
+  capture.purpose = Purpose::kTop;
+  capture.intrinsics = {width, height, 60.0, 60.0, (width - 1) / 2.0, (height - 1) / 2.0, {}};
+  capture.map_from_camera.translation_m = {1, 2, 9};
+  capture.bytes = std::move(bytes);
+  return capture;
+}
+
+std::string ErrorOf(const Capture& capture, const ImageOptions& options = {}) {
+  const Result<Image> image = DecodeImage(capture, options);
+  return image.ok() ? "" : image.error().message;
+}
+
+TEST(DecodeImage, ReadsJpegAndPng) {
+  for (const char* extension : {".jpg", ".png"}) {
+    const Result<Image> image = DecodeImage(CaptureOf(Encode(extension, Pattern(64, 48))), {});
+    ASSERT_TRUE(image.ok()) << image.error().message;
+    EXPECT_EQ(image.value().bgr.size(), cv::Size(64, 48));
+    EXPECT_EQ(image.value().seen, cv::Rect(0, 0, 64, 48));
+    EXPECT_EQ(image.value().capture_id, 5u);
+    EXPECT_EQ(image.value().purpose, Purpose::kTop);
+    EXPECT_NEAR(image.value().bgr(24, 32)[0], 200, 6);
+  }
+}
+
+TEST(DecodeImage, TurnsGreyAlphaAnd16BitToBgr) {
+  cv::Mat grey, alpha, deep;
+  cv::cvtColor(Pattern(64, 48), grey, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(Pattern(64, 48), alpha, cv::COLOR_BGR2BGRA);
+  Pattern(64, 48).convertTo(deep, CV_16UC3, 257.0);
+  for (const cv::Mat& picture : {grey, alpha, deep}) {
+    const Result<Image> image = DecodeImage(CaptureOf(Encode(".png", picture)), {});
+    ASSERT_TRUE(image.ok()) << image.error().message;
+    EXPECT_EQ(image.value().bgr.size(), cv::Size(64, 48));
+  }
+  EXPECT_TRUE(DecodeImage(CaptureOf(Encode(".jpg", grey)), {}).ok());
+}
+
+TEST(DecodeImage, RefusesWhatIsNeitherJpegNorPng) {
+  EXPECT_THAT(ErrorOf(CaptureOf({})), HasSubstr("'top_1.jpg'"));
+  EXPECT_THAT(ErrorOf(CaptureOf({'h', 'e', 'l', 'l', 'o'})), HasSubstr("neither a JPEG nor a PNG"));
+  EXPECT_THAT(ErrorOf(CaptureOf(Encode(".bmp", Pattern(64, 48)))), HasSubstr("neither a JPEG nor a PNG"));
+}
+
+TEST(DecodeImage, RefusesEveryTruncation) {
+  for (const char* extension : {".jpg", ".png"}) {
+    const Bytes whole = Encode(extension, Pattern(64, 48));
+    for (std::size_t length = 0; length < whole.size(); length += 7) {
+      EXPECT_NE(ErrorOf(CaptureOf(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)))), "");
+    }
+  }
+}
+
+TEST(DecodeImage, SurvivesEveryFlippedByte) {
+  for (const char* extension : {".jpg", ".png"}) {
+    const Bytes whole = Encode(extension, Pattern(64, 48));
+    for (std::size_t at = 0; at < whole.size(); at += 3) {
+      Bytes damaged = whole;
+      damaged[at] = static_cast<std::uint8_t>(damaged[at] ^ 0xff);
+      const Result<Image> image = DecodeImage(CaptureOf(damaged), {});
+      if (image.ok()) {
+        EXPECT_EQ(image.value().bgr.size(), cv::Size(64, 48));
+      }
+    }
+  }
+}
+
+TEST(DecodeImage, RefusesAGiganticClaimUnread) {
+  Bytes png = Encode(".png", Pattern(64, 48));
+  png[16] = png[20] = 0;
+  png[18] = png[22] = 0xea;  // 60,000 x 60,000
+  png[17] = png[21] = 0;
+  png[19] = png[23] = 0x60;
+  const Result<Image> image = DecodeImage(CaptureOf(png), {});
+  ASSERT_FALSE(image.ok());
+  EXPECT_EQ(image.error().code, Error::Code::kTooLarge);
+  EXPECT_THAT(image.error().message, HasSubstr("60000 x 60000"));
+}
+
+TEST(DecodeImage, RefusesTooManyBytesAndScans) {
+  ImageOptions options;
+  options.max_bytes = 1024;
+  EXPECT_THAT(ErrorOf(CaptureOf(Bytes(2000, 0xff)), options), HasSubstr("image.max_bytes"));
+  options = {};
+  options.max_scans = 2;
+  const Bytes progressive = Encode(".jpg", Pattern(64, 48), {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  EXPECT_THAT(ErrorOf(CaptureOf(progressive), options), HasSubstr("image.max_scans"));
+  EXPECT_EQ(ErrorOf(CaptureOf(progressive)), "");
+}
+
+TEST(DecodeImage, RefusesASizeThatIsNotThatOfTheIntrinsics) {
+  EXPECT_THAT(ErrorOf(CaptureOf(Encode(".jpg", Pattern(48, 64)))), HasSubstr("48 x 64"));
+}
+
+TEST(DecodeImage, RefusesBrokenPosesAndIntrinsics) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Bytes bytes = Encode(".jpg", Pattern(64, 48));
+  Capture capture = CaptureOf(bytes);
+  capture.map_from_camera.translation_m.x() = nan;
+  EXPECT_THAT(ErrorOf(capture), HasSubstr("pose"));
+  capture = CaptureOf(bytes);
+  capture.map_from_camera.rotation.coeffs().setZero();
+  EXPECT_THAT(ErrorOf(capture), HasSubstr("pose"));
+  capture = CaptureOf(bytes);
+  capture.position_std_m = nan;
+  EXPECT_THAT(ErrorOf(capture), HasSubstr("standard deviations"));
+  capture = CaptureOf(bytes);
+  capture.intrinsics.fx_px = 0.0;
+  EXPECT_THAT(ErrorOf(capture), HasSubstr("intrinsics"));
+  capture = CaptureOf(bytes);
+  capture.intrinsics.distortion = {-3.0, 0, 0, 0, 0};
+  EXPECT_THAT(ErrorOf(capture), HasSubstr("distortion"));
+}
+
+TEST(DecodeImage, TakesTheDistortionOut) {
+  Capture capture = CaptureOf({}, 640, 480);
+  capture.intrinsics.fx_px = capture.intrinsics.fy_px = 500.0;
+  capture.intrinsics.distortion = {-0.2, 0.05, 0.001, -0.0005, 0.0};
+  View distorted;
+  distorted.intrinsics = capture.intrinsics;
+  const Eigen::Vector3d point(0.9, -0.6, 2.0);  // In the camera.
+  const double x = point.x() / point.z();
+  const double y = point.y() / point.z();
+  const auto& d = capture.intrinsics.distortion;
+  const double r2 = x * x + y * y;
+  const double radial = 1 + r2 * (d[0] + r2 * d[1]);
+  const double u = 500.0 * (x * radial + 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x)) + capture.intrinsics.cx_px;
+  const double v = 500.0 * (y * radial + d[2] * (r2 + 2 * y * y) + 2 * d[3] * x * y) + capture.intrinsics.cy_px;
+  cv::Mat3b picture(480, 640, cv::Vec3b(0, 0, 0));
+  cv::circle(picture, cv::Point(static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v))), 4,
+             cv::Scalar(255, 255, 255), cv::FILLED);
+  capture.bytes = Encode(".png", picture);
+  const Result<Image> image = DecodeImage(capture, {});
+  ASSERT_TRUE(image.ok()) << image.error().message;
+  const Intrinsics& k = image.value().view.intrinsics;
+  EXPECT_EQ(k.distortion, (std::array<double, 5>{}));
+  cv::Mat1b grey;
+  cv::cvtColor(image.value().bgr, grey, cv::COLOR_BGR2GRAY);
+  const cv::Moments m = cv::moments(grey);
+  EXPECT_NEAR(m.m10 / m.m00, k.fx_px * x + k.cx_px, 1.0);
+  EXPECT_NEAR(m.m01 / m.m00, k.fy_px * y + k.cy_px, 1.0);
+}
+
+TEST(DecodeImage, GivesTheSameForTheSame) {
+  Capture capture = CaptureOf(Encode(".jpg", Pattern(64, 48)));
+  capture.intrinsics.distortion = {-0.1, 0.01, 0, 0, 0};
+  const Result<Image> once = DecodeImage(capture, {});
+  const Result<Image> again = DecodeImage(capture, {});
+  ASSERT_TRUE(once.ok() && again.ok());
+  EXPECT_EQ(cv::norm(once.value().bgr, again.value().bgr, cv::NORM_INF), 0.0);
+}
+
+TEST(ReadPictureHeader, ReadsSizeAndScans) {
+  const auto jpeg = ReadPictureHeader(Encode(".jpg", Pattern(70, 50)));
+  ASSERT_TRUE(jpeg.ok());
+  EXPECT_EQ(jpeg.value().format, PictureFormat::kJpeg);
+  EXPECT_EQ(jpeg.value().width_px, 70);
+  EXPECT_EQ(jpeg.value().height_px, 50);
+  EXPECT_EQ(jpeg.value().scans, 1);
+  const auto png = ReadPictureHeader(Encode(".png", Pattern(70, 50)));
+  ASSERT_TRUE(png.ok());
+  EXPECT_EQ(png.value().format, PictureFormat::kPng);
+  EXPECT_EQ(png.value().width_px, 70);
+}
+
+}  // namespace
+}  // namespace soffit

@@ -1,0 +1,216 @@
+#include "service/match/match.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "service/match/similarity.h"
+#include "service/match/word.h"
+
+namespace soffit {
+namespace {
+
+using std::numbers::pi;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+const Ring kL = {{0, 0}, {40, 0}, {40, 15}, {15, 15}, {15, 30}, {0, 30}};
+const Ring kT = {{0, 0}, {40, 0}, {40, 12}, {27, 12}, {27, 35}, {13, 35}, {13, 12}, {0, 12}};
+const Ring kBox = {{0, 0}, {30, 0}, {30, 20}, {0, 20}};
+const Ring kSquare = {{0, 0}, {20, 0}, {20, 20}, {0, 20}};
+
+Ring Mirrored(Ring ring) {
+  for (Eigen::Vector2d& p : ring) p.x() = -p.x();
+  return {ring.rbegin(), ring.rend()};
+}
+
+Similarity Laid(double scale, double rotation_cw_rad, double x, double y) {
+  return {scale * std::cos(-rotation_cw_rad), scale * std::sin(-rotation_cw_rad), {x, y}};
+}
+
+Polygon Shape(const Ring& ring) { return {ring, {}}; }
+
+TEST(FindMatches, FindsScaleClockwiseRotationAndPlace) {
+  const std::vector<Polygon> map = {Laid(2.0, 1.0, 300, 10) * Shape(kT), Laid(0.7, 2.2, -50, 80) * Shape(kL)};
+  const auto matches = FindMatches(map, {{Shape(kL)}}, {});
+  ASSERT_THAT(matches, SizeIs(1));
+  EXPECT_THAT(matches[0].shapes, ElementsAre(1));
+  EXPECT_NEAR(matches[0].scale, 0.7, 1e-3);
+  EXPECT_NEAR(matches[0].rotation_cw_rad, 2.2, 1e-3);
+  EXPECT_NEAR(matches[0].translation.x(), -50, 0.1);
+  EXPECT_NEAR(matches[0].translation.y(), 80, 0.1);
+  EXPECT_GT(matches[0].score, 0.99);
+  EXPECT_FALSE(matches[0].is_ambiguous);
+  EXPECT_THAT(matches[0].equivalent_rotations_cw_rad, SizeIs(1));
+}
+
+TEST(FindMatches, FindsEveryRotation) {
+  for (int i = 0; i < 24; ++i) {
+    const double rotation = 2.0 * pi * i / 24.0;
+    const auto matches = FindMatches({Laid(1.3, rotation, 5, 5) * Shape(kT)}, {{Shape(kT)}}, {});
+    ASSERT_THAT(matches, SizeIs(1)) << i;
+    EXPECT_NEAR(std::remainder(matches[0].rotation_cw_rad - rotation, 2.0 * pi), 0.0, 1e-3);
+  }
+}
+
+TEST(FindMatches, RejectsMirrorImages) {
+  for (const double rotation : {0.0, 0.8, 2.5, 4.4}) {
+    EXPECT_THAT(FindMatches({Laid(1.0, rotation, 0, 0) * Shape(Mirrored(kL))}, {{Shape(kL)}}, {}), IsEmpty());
+  }
+}
+
+TEST(FindMatches, RejectsNearTwins) {
+  Ring longer = kL;
+  longer[4].y() = longer[5].y() = 36;  // One wing is a fifth longer.
+  Ring thicker = kL;
+  thicker[2].y() = thicker[3].y() = 19;
+  for (const Ring& twin : {longer, thicker}) EXPECT_THAT(FindMatches({Shape(twin)}, {{Shape(kL)}}, {}), IsEmpty());
+}
+
+TEST(FindMatches, ListsAllRotationsOfASymmetricShape) {
+  const auto boxes = FindMatches({Laid(1.0, 0.5, 0, 0) * Shape(kBox)}, {{Shape(kBox)}}, {});
+  ASSERT_THAT(boxes, SizeIs(1));
+  EXPECT_THAT(boxes[0].equivalent_rotations_cw_rad, SizeIs(2));
+  const auto squares = FindMatches({Laid(1.0, 0.5, 0, 0) * Shape(kSquare)}, {{Shape(kSquare)}}, {});
+  ASSERT_THAT(squares, SizeIs(1));
+  EXPECT_THAT(squares[0].equivalent_rotations_cw_rad, SizeIs(4));
+  EXPECT_FALSE(squares[0].is_ambiguous);
+}
+
+TEST(FindMatches, MarksSeveralPlacesAsAmbiguous) {
+  const auto matches = FindMatches({Shape(kL), Laid(2.0, 1.0, 200, 0) * Shape(kL), Shape(kT)}, {{Shape(kL)}}, {});
+  ASSERT_THAT(matches, SizeIs(2));
+  EXPECT_TRUE(matches[0].is_ambiguous);
+  EXPECT_TRUE(matches[1].is_ambiguous);
+}
+
+TEST(FindMatches, TellsHolesApart) {
+  const Polygon open = Shape(kSquare);
+  const Polygon court{kSquare, {{{6, 6}, {6, 14}, {14, 14}, {14, 6}}}};
+  const Polygon offset{kSquare, {{{3, 6}, {3, 14}, {11, 14}, {11, 6}}}};
+  const std::vector<Polygon> map = {open, court, offset};
+  const auto matches = FindMatches(map, {{court}}, {});
+  ASSERT_THAT(matches, SizeIs(1));
+  EXPECT_THAT(matches[0].shapes, ElementsAre(1));
+  const auto of_offset = FindMatches(map, {{offset}}, {});
+  ASSERT_THAT(of_offset, SizeIs(1));
+  EXPECT_THAT(of_offset[0].shapes, ElementsAre(2));
+  EXPECT_THAT(of_offset[0].equivalent_rotations_cw_rad, SizeIs(1));
+}
+
+TEST(FindMatches, FindsAGroupAmongIdenticalBoxes) {
+  const std::vector<Polygon> group = {Laid(1, 0, 0, 0) * Shape(kBox), Laid(1, 0.5, 70, 10) * Shape(kBox),
+                                      Laid(1, 1.3, 20, 90) * Shape(kBox)};
+  const Similarity place = Laid(0.4, 2.0, 500, 300);
+  std::vector<Polygon> map;
+  for (int i = 0; i < 20; ++i) map.push_back(Laid(0.4, i * 0.7, 60.0 * (i % 5), 60.0 * (i / 5)) * Shape(kBox));
+  for (const Polygon& shape : group) map.push_back(place * shape);
+  const auto matches = FindMatches(map, {group}, {});
+  ASSERT_THAT(matches, SizeIs(1));
+  EXPECT_THAT(matches[0].shapes, ElementsAre(20, 21, 22));
+  EXPECT_NEAR(matches[0].scale, 0.4, 1e-3);
+  EXPECT_NEAR(matches[0].rotation_cw_rad, 2.0, 1e-3);
+  EXPECT_FALSE(matches[0].is_ambiguous);
+}
+
+TEST(FindMatches, FindsNothingWhereNothingIs) {
+  EXPECT_THAT(FindMatches({}, {{Shape(kL)}}, {}), IsEmpty());
+  EXPECT_THAT(FindMatches({Shape(kT), Shape(kBox)}, {{Shape(kL)}}, {}), IsEmpty());
+}
+
+TEST(FindMatches, SkipsDegenerateShapesOfTheMap) {
+  const std::vector<Polygon> map = {{}, Shape({{0, 0}, {1, 1}}), Shape({{0, 0}, {1, 0}, {2, 0}}), Shape(kL)};
+  const auto matches = FindMatches(map, {{Shape(kL)}}, {});
+  ASSERT_THAT(matches, SizeIs(1));
+  EXPECT_THAT(matches[0].shapes, ElementsAre(3));
+}
+
+TEST(FindMatches, RefusesADegenerateReference) {
+  EXPECT_THROW(FindMatches({Shape(kL)}, Reference{}, {}), ContractViolation);
+  EXPECT_THROW(FindMatches({Shape(kL)}, {{Shape({{0, 0}, {1, 0}})}}, {}), ContractViolation);
+}
+
+TEST(FindMatches, KeepsPrecisionFarFromTheOrigin) {
+  const auto matches = FindMatches({Laid(0.5, 1.0, 691000, 5335000) * Shape(kL)}, {{Shape(kL)}}, {});
+  ASSERT_THAT(matches, SizeIs(1));
+  EXPECT_NEAR(matches[0].translation.x(), 691000, 0.05);
+  EXPECT_NEAR(matches[0].translation.y(), 5335000, 0.05);
+}
+
+TEST(FindMatches, GivesTheSameForTheSame) {
+  const std::vector<Polygon> map = {Laid(1, 0.3, 0, 0) * Shape(kL), Laid(2, 1.3, 90, 0) * Shape(kL)};
+  const auto once = FindMatches(map, {{Shape(kL)}}, {});
+  const auto again = FindMatches(map, {{Shape(kL)}}, {});
+  ASSERT_EQ(once.size(), again.size());
+  for (std::size_t i = 0; i < once.size(); ++i) {
+    EXPECT_EQ(once[i].score, again[i].score);
+    EXPECT_EQ(once[i].rotation_cw_rad, again[i].rotation_cw_rad);
+  }
+}
+
+TEST(WordDistance, IsZeroForSimilarShapesWhereverTheyStart) {
+  Ring shifted = kT;
+  std::rotate(shifted.begin(), shifted.begin() + 3, shifted.end());
+  EXPECT_NEAR(WordDistance(Shape(kT), Laid(3.0, 1.2, 4, 5) * Shape(shifted)), 0.0, 1e-6);
+}
+
+TEST(WordDistance, IsGreaterForStrangersThanForTwins) {
+  Ring twin = kL;
+  twin[4].y() = twin[5].y() = 36;
+  const double to_twin = WordDistance(Shape(kL), Shape(twin));
+  EXPECT_GT(to_twin, 0.01);
+  EXPECT_LT(to_twin, WordDistance(Shape(kL), Shape(kT)));
+}
+
+TEST(AlignWords, ForgivesASplitSide) {
+  Ring split = kBox;
+  split.insert(split.begin() + 1, Eigen::Vector2d(14, -1.5));
+  const Word whole = Spell(kBox, 0.5);
+  const Word broken = Spell(split, 0.5);
+  ASSERT_EQ(broken.size(), whole.size() + 1);
+  const auto alignments = AlignWords(whole, broken);
+  ASSERT_FALSE(alignments.empty());
+  EXPECT_LT(alignments.front().cost, 0.08);
+  EXPECT_NEAR(std::remainder(alignments.front().rotation_ccw_rad, pi), 0.0, 0.05);
+}
+
+cv::Mat1b Bitmap(const std::vector<Ring>& shapes, cv::Size size) {
+  cv::Mat1b bitmap(size, uchar{255});
+  for (const Ring& ring : shapes) {
+    std::vector<cv::Point> corners;
+    for (const Eigen::Vector2d& p : ring) corners.emplace_back(static_cast<int>(p.x()), static_cast<int>(p.y()));
+    cv::fillPoly(bitmap, std::vector<std::vector<cv::Point>>{corners}, cv::Scalar(0));
+  }
+  return bitmap;
+}
+
+TEST(ReadReference, ReadsBlackShapesYUp) {
+  const auto reference = ReadReference(Bitmap({{{20, 10}, {59, 10}, {59, 29}, {20, 29}}}, {100, 60}));
+  ASSERT_TRUE(reference.ok());
+  ASSERT_THAT(reference.value().shapes, SizeIs(1));
+  EXPECT_NEAR(SignedArea(reference.value().shapes[0].outer), 800.0, 1.0);
+  EXPECT_NEAR(Centroid(reference.value().shapes[0]).x(), 39.5, 0.1);
+  EXPECT_NEAR(Centroid(reference.value().shapes[0]).y(), -19.5, 0.1);
+}
+
+TEST(ReadReference, DropsSpecks) {
+  cv::Mat1b bitmap = Bitmap({{{20, 10}, {79, 10}, {79, 49}, {20, 49}}}, {100, 60});
+  for (int i = 0; i < 8; ++i) bitmap(5, 10 * i + 3) = 0;
+  const auto reference = ReadReference(bitmap);
+  ASSERT_TRUE(reference.ok());
+  EXPECT_THAT(reference.value().shapes, SizeIs(1));
+}
+
+TEST(ReadReference, RefusesEmptyWhiteBlackAndCrowdedBitmaps) {
+  EXPECT_FALSE(ReadReference({}).ok());
+  EXPECT_FALSE(ReadReference(cv::Mat1b(50, 50, uchar{255})).ok());
+  EXPECT_FALSE(ReadReference(cv::Mat1b(50, 50, uchar{0})).ok());
+  cv::Mat1b crowded(500, 500, uchar{255});
+  for (int i = 0; i < 100; ++i) crowded(cv::Rect(50 * (i % 10) + 5, 50 * (i / 10) + 5, 20, 20)).setTo(0);
+  EXPECT_FALSE(ReadReference(crowded).ok());
+}
+
+}  // namespace
+}  // namespace soffit

@@ -1,0 +1,204 @@
+#include "service/outline/outline.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "service/outline/region.h"
+#include "service/outline/ring_fit.h"
+#include "shared/result/result.h"
+
+namespace soffit {
+namespace {
+
+using ::testing::Each;
+using ::testing::IsEmpty;
+using ::testing::Le;
+using ::testing::SizeIs;
+
+/// Pixels whose centre lies inside: what an ideal camera would label.
+cv::Mat1b Draw(const Polygon& polygon, cv::Size size) {
+  cv::Mat1b bitmap(size, uchar{0});
+  for (int row = 0; row < size.height; ++row) {
+    for (int col = 0; col < size.width; ++col) {
+      if (Contains(polygon, {col, row})) bitmap(row, col) = 1;
+    }
+  }
+  return bitmap;
+}
+
+Mask MaskOf(const cv::Mat1b& label) {
+  Mask mask;
+  mask.label = label;
+  mask.classes = {"red", "blue"};
+  return mask;
+}
+
+std::vector<Outline> Trace(const cv::Mat1b& label, const OutlineOptions& options = {}) {
+  return TraceOutlines(MaskOf(label), cv::Rect({0, 0}, label.size()), options);
+}
+
+const Ring kSlanted = {{40.3, 30.7}, {211.2, 78.1}, {181.9, 184.4}, {10.6, 137.3}};
+
+double DistanceToNearest(const Eigen::Vector2d& p, const Ring& corners) {
+  double least = 1e9;
+  for (const Eigen::Vector2d& corner : corners) least = std::min(least, (p - corner).norm());
+  return least;
+}
+
+TEST(TraceOutlines, GivesFourCornersForARectangleBetterThanThePixel) {
+  const auto outlines = Trace(Draw({kSlanted, {}}, {240, 220}));
+  ASSERT_THAT(outlines, SizeIs(1));
+  EXPECT_EQ(outlines[0].color, "red");
+  ASSERT_THAT(outlines[0].polygon_px.outer, SizeIs(4));
+  for (const Eigen::Vector2d& corner : kSlanted) {
+    EXPECT_LT(DistanceToNearest(corner, outlines[0].polygon_px.outer), 0.3);
+  }
+  EXPECT_NEAR(Area(outlines[0].polygon_px), SignedArea(kSlanted), 0.002 * SignedArea(kSlanted));
+  EXPECT_THAT(outlines[0].corner_std_px, SizeIs(4));
+  EXPECT_THAT(outlines[0].corner_std_px, Each(Le(0.3)));
+  EXPECT_FALSE(outlines[0].is_cut);
+}
+
+TEST(TraceOutlines, HasNoHalfPixelBias) {
+  cv::Mat1b label(100, 100, uchar{0});
+  label(cv::Rect(20, 30, 40, 50)) = 2;
+  const auto outlines = Trace(label);
+  ASSERT_THAT(outlines, SizeIs(1));
+  EXPECT_EQ(outlines[0].color, "blue");
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(19.5, 29.5), {59.5, 29.5}, {59.5, 79.5}, {19.5, 79.5}}) {
+    EXPECT_LT(DistanceToNearest(corner, outlines[0].polygon_px.outer), 1e-9);
+  }
+  EXPECT_GT(SignedArea(outlines[0].polygon_px.outer), 0.0);
+}
+
+TEST(TraceOutlines, SharpensCornersThatAMedianRoundedOff) {
+  cv::Mat1b label = Draw({kSlanted, {}}, {240, 220});
+  cv::medianBlur(label, label, 7);
+  const auto outlines = Trace(label);
+  ASSERT_THAT(outlines, SizeIs(1));
+  ASSERT_THAT(outlines[0].polygon_px.outer, SizeIs(4));
+  for (const Eigen::Vector2d& corner : kSlanted) {
+    EXPECT_LT(DistanceToNearest(corner, outlines[0].polygon_px.outer), 0.5);
+  }
+}
+
+TEST(TraceOutlines, KeepsCourtyardsAndDropsSmallHoles) {
+  cv::Mat1b label(200, 200, uchar{0});
+  label(cv::Rect(20, 20, 150, 150)) = 1;
+  label(cv::Rect(60, 60, 40, 50)) = 0;
+  label(cv::Rect(140, 140, 3, 3)) = 0;
+  const auto outlines = Trace(label);
+  ASSERT_THAT(outlines, SizeIs(1));
+  ASSERT_THAT(outlines[0].polygon_px.holes, SizeIs(1));
+  EXPECT_NEAR(SignedArea(outlines[0].polygon_px.holes[0]), -2000.0, 1.0);
+}
+
+TEST(TraceOutlines, DrawsACircleAsManySidesWithinTolerance) {
+  cv::Mat1b label(300, 300, uchar{0});
+  const Eigen::Vector2d center(150, 150);
+  for (int row = 0; row < 300; ++row) {
+    for (int col = 0; col < 300; ++col) label(row, col) = (Eigen::Vector2d(col, row) - center).norm() < 120 ? 1 : 0;
+  }
+  const auto outlines = Trace(label);
+  ASSERT_THAT(outlines, SizeIs(1));
+  const Ring& ring = outlines[0].polygon_px.outer;
+  EXPECT_GT(ring.size(), 10u);
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    EXPECT_NEAR((ring[i] - center).norm(), 120.0, 2.5);
+    EXPECT_NEAR((0.5 * (ring[i] + ring[(i + 1) % ring.size()]) - center).norm(), 120.0, 2.5);
+  }
+}
+
+TEST(TraceOutlines, MarksBlobsAtTheEdgeOfWhatWasSeenAsCut) {
+  cv::Mat1b label(200, 200, uchar{0});
+  label(cv::Rect(10, 10, 60, 60)) = 1;
+  label(cv::Rect(100, 100, 60, 60)) = 1;
+  const auto outlines = TraceOutlines(MaskOf(label), cv::Rect(10, 0, 180, 200), {});
+  ASSERT_THAT(outlines, SizeIs(2));
+  EXPECT_NE(outlines[0].is_cut, outlines[1].is_cut);
+}
+
+TEST(TraceOutlines, FindsNothingInAnEmptyMaskOrOutsideOfIt) {
+  EXPECT_THAT(Trace(cv::Mat1b(50, 50, uchar{0})), IsEmpty());
+  EXPECT_THAT(TraceOutlines(MaskOf(cv::Mat1b(50, 50, uchar{1})), cv::Rect(60, 60, 10, 10), {}), IsEmpty());
+}
+
+TEST(TraceOutlines, OrdersByAreaAndKeepsColoursApart) {
+  cv::Mat1b label(200, 200, uchar{0});
+  label(cv::Rect(10, 10, 40, 40)) = 1;
+  label(cv::Rect(50, 10, 60, 60)) = 2;
+  const auto outlines = Trace(label);
+  ASSERT_THAT(outlines, SizeIs(2));
+  EXPECT_EQ(outlines[0].color, "blue");
+  EXPECT_EQ(outlines[1].color, "red");
+}
+
+TEST(TraceOutlines, ManySpecksAreDroppedFast) {
+  cv::Mat1b label(1000, 1000, uchar{0});
+  for (int i = 0; i < 10000; ++i) label((i / 100) * 10, (i % 100) * 10) = 1;
+  EXPECT_THAT(Trace(label), IsEmpty());
+}
+
+TEST(TraceOutlines, EveryRingOfAJaggedBlobIsSimple) {
+  cv::RNG random(7);
+  cv::Mat1b label(300, 300, uchar{0});
+  for (int i = 0; i < 60; ++i) {
+    cv::circle(label, {random.uniform(60, 240), random.uniform(60, 240)}, random.uniform(3, 25), cv::Scalar(i % 3 ? 1 : 0), -1);
+  }
+  const auto outlines = Trace(label);
+  EXPECT_FALSE(outlines.empty());
+  for (const Outline& outline : outlines) {
+    EXPECT_TRUE(IsSimple(outline.polygon_px.outer));
+    for (const Ring& hole : outline.polygon_px.holes) EXPECT_TRUE(IsSimple(hole));
+  }
+}
+
+TEST(TraceOutlines, RefusesInvalidOptions) {
+  OutlineOptions options;
+  options.simplify_px = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(Trace(cv::Mat1b(50, 50, uchar{0}), options), ContractViolation);
+}
+
+TEST(TraceRegions, FollowsTheSidesOfPixels) {
+  cv::Mat1b bitmap(4, 4, uchar{0});
+  bitmap(1, 2) = 1;
+  const auto regions = TraceRegions(bitmap, 0.0);
+  ASSERT_THAT(regions, SizeIs(1));
+  EXPECT_DOUBLE_EQ(SignedArea(regions[0].outer), 1.0);
+  EXPECT_LT((Centroid(regions[0]) - Eigen::Vector2d(2, 1)).norm(), 1e-12);
+}
+
+TEST(TraceRegions, KeepsDiagonalNeighboursApart) {
+  cv::Mat1b bitmap(4, 4, uchar{0});
+  bitmap(1, 1) = bitmap(2, 2) = 1;
+  EXPECT_THAT(TraceRegions(bitmap, 0.0), SizeIs(2));
+}
+
+TEST(TraceRegions, HasTheAreaOfItsPixels) {
+  cv::RNG random(3);
+  cv::Mat1b bitmap(64, 64);
+  random.fill(bitmap, cv::RNG::UNIFORM, 0, 2);
+  double area = 0.0;
+  for (const Polygon& region : TraceRegions(bitmap, 0.0)) area += Area(region);
+  EXPECT_DOUBLE_EQ(area, cv::countNonZero(bitmap));
+}
+
+TEST(FitRing, GivesNothingForDegenerateBoundaries) {
+  EXPECT_THAT(FitRing({}, 1.0, 1.0).ring, IsEmpty());
+  EXPECT_THAT(FitRing({{0, 0}, {1, 0}}, 1.0, 1.0).ring, IsEmpty());
+  EXPECT_THAT(FitRing({{0, 0}, {50, 0}, {100, 0}}, 1.0, 1.0).ring, IsEmpty());
+}
+
+TEST(FitRing, KeepsPrecisionFarFromTheOrigin) {
+  const Eigen::Vector2d far(691000.0, 5335000.0);
+  Ring moved = kSlanted;
+  for (Eigen::Vector2d& p : moved) p += far;
+  const Ring fitted = FitRing(moved, 1.0, 1.0).ring;
+  ASSERT_THAT(fitted, SizeIs(4));
+  for (const Eigen::Vector2d& p : moved) EXPECT_LT(DistanceToNearest(p, fitted), 1e-4);
+}
+
+}  // namespace
+}  // namespace soffit
