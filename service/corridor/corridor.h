@@ -21,6 +21,8 @@ struct Corridor {
   double free_height_m = 0.0;
   double floor_m = 0.0;         ///< Lower side of that rectangle, above the ground.
   double std_m = 0.0;           ///< Of its sides.
+  std::string limited_by;       ///< What stands in the passage and takes room from it; empty when nothing does.
+  bool was_seen_from_both_sides = false;  ///< False: the far mouth was inferred from the near one.
 };
 
 struct CorridorOptions {
@@ -28,7 +30,7 @@ struct CorridorOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& field) {
-    field("approach_m", self.approach_m, OptionInfo{0.0, 50.0, "m", "Stand-off of entry and exit beside the envelope"});
+    field("approach_m", self.approach_m, OptionInfo{0.0, 50.0, "m", "From the walls to entry and exit; at least radius and margin"});
   }
 };
 

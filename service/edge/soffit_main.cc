@@ -7,6 +7,7 @@
 int main(int argc, char** argv) try {
   CLI::App app("Finds a building from the air, models it, and says whether a drone may fly through it.",
                "soffit");
+  soffit::AddAnalyzeCommand(app);
   soffit::AddRecognizeCommand(app);
   app.require_subcommand(1);
   try {

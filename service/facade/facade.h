@@ -19,6 +19,7 @@ enum class Seen : std::uint8_t { kUnexplained, kStructure, kGround, kSky };
 /// One horizontal picture, understood pixel by pixel: `seen` holds `Seen` values, size of the picture.
 struct Sight {
   std::uint32_t capture_id = 0;
+  bool has_trusted_pose = false;
   View view;
   cv::Mat1b seen;
 };
@@ -45,7 +46,7 @@ struct Facade {
 };
 
 struct FacadeOptions {
-  double resolution_m = 0.01;
+  double resolution_m = 0.005;
   double min_opening_m = 0.15;
 
   template <class Self, class Visitor>
@@ -56,6 +57,12 @@ struct FacadeOptions {
 };
 
 /// Labels every pixel of a horizontal picture. `buildings` is its colour mask.
+///
+/// Structure has a hue of the mask's classes, also in deep shade. Sky is what is coloured like the upper part of the
+/// picture and what fades from there to the horizon. Ground has the chromaticity of the lower part of the picture, lit
+/// or in shadow; it lies below the horizon and sky above it. All else is unexplained. Pure; O(pixels).
+///
+/// A grey thing on grey ground that stays below the horizon is taken for a shadow: colour alone cannot tell.
 Sight LabelSight(const Image& image, const Mask& buildings, const FacadeOptions& options);
 
 /// The walls of one object as the horizontal pictures show them, one Facade for each side of its outer ring.

@@ -21,30 +21,48 @@ struct SceneObject {
   std::vector<std::uint32_t> neighbours;   ///< Ids of the nearest objects, nearest first.
 };
 
+/// Something that stands in the scene and belongs to no building, as an upright cylinder on the ground.
+struct Obstacle {
+  Eigen::Vector3d base_in_map_m = Eigen::Vector3d::Zero();
+  double radius_m = 0.0;
+  double height_m = 0.0;
+  double std_m = 0.0;                     ///< Of its place.
+  std::vector<std::uint32_t> captures;
+};
+
 /// The enriched scene: vector map, models and occupancy. A snapshot: never modified, shared freely between threads.
 struct Scene {
   std::uint64_t revision = 0;
   std::vector<SceneObject> objects;
   std::vector<Solid> solids;
+  std::vector<Obstacle> obstacles;
   std::shared_ptr<const octomap::OcTree> octree;   ///< Never null. Unknown is where there is no node.
 };
 
 struct SceneOptions {
-  double voxel_m = 0.10;
+  double voxel_m = 0.05;
   double margin_m = 3.0;
+  double max_voxels = 4e6;
   int neighbours = 4;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& field) {
     field("voxel_m", self.voxel_m, OptionInfo{0.01, 2.0, "m", "Edge of an OctoMap voxel"});
     field("margin_m", self.margin_m, OptionInfo{0.5, 100.0, "m", "How far around the models space is mapped"});
+    field("max_voxels", self.max_voxels, OptionInfo{1e3, 1e9, "", "Voxels are doubled until there are no more than this"});
     field("neighbours", self.neighbours, OptionInfo{0, 16, "", "Neighbours that are listed for an object"});
   }
 };
 
-/// Builds the next snapshot. Voxels that a solid or an unexplained obstacle touches are occupied; a voxel is free when
-/// a trusted picture saw through all of it (the ray to every pixel that it covers goes on to ground or sky, or to the
-/// model's surface behind it); all others are unknown.
+/// Builds the next snapshot. Voxels that a solid or an obstacle touches are occupied; a voxel is free when a picture
+/// with a trusted pose saw through all of it; all others are unknown.
+///
+/// A pixel proves its ray free when it shows what the model predicts: structure where a solid is met (free up to its
+/// surface), ground or sky where none is. What shows something else stands somewhere on the ray: when it stands on the
+/// ground in front of all that it hides, the ray is free up to its foot; otherwise (it hangs, or it may go on behind a
+/// structure) the ray proves nothing. Two pixels beside a predicted edge either side of it is accepted.
+///
+/// The extent is that of the solids and `margin_m` around them; nothing is mapped when there is no solid. Pure.
 Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::vector<Solid> solids,
                  const std::vector<Sight>& sights, const SceneOptions& options);
 

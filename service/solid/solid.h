@@ -28,12 +28,16 @@ struct SolidOpening {
   double std_m = 0.0;
 };
 
-/// A way through the building: a prism along a horizontal axis from one wall to another.
+/// A way through the building: `section` swept along a horizontal axis, at right angles to the entry wall.
 struct Passage {
   int entry_wall = -1;
   int exit_wall = -1;
-  std::size_t entry_opening = 0;                  ///< Index into Solid::openings.
+  std::size_t entry_opening = 0;        ///< Index into Solid::openings.
   std::size_t exit_opening = 0;
+  Ring section_m;                       ///< Common part of both mouths, in coordinates of the entry wall; simple.
+  double length_m = 0.0;                ///< Inside the building.
+  double std_m = 0.0;                   ///< Of the sides of `section_m`.
+  bool was_seen_from_both_sides = false;///< False: the far mouth was inferred from the near one.
 };
 
 /// Closed, oriented 2-manifold model of one building.
@@ -43,6 +47,7 @@ struct Solid {
   double volume_m3 = 0.0;
   std::vector<SolidOpening> openings;
   std::vector<Passage> passages;
+  std::vector<int> unseen_walls;   ///< Nothing is known of openings in these.
 };
 
 struct SolidOptions {
@@ -56,6 +61,9 @@ struct SolidOptions {
 
 /// The solid of one building: the footprint raised to its height, less its recesses and passages; in other words the
 /// common part of what the pictures show (paper, section 2.6). An error when the result is not a closed 2-manifold.
+///
+/// A passage is cut where a see-through opening has its counterpart in the wall opposite, or where that wall was not
+/// seen; an opening whose opposite wall was seen closed does not lead through, whatever is seen in it.
 Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades, const SolidOptions& options);
 
 /// Every edge has exactly two triangles in opposite directions, and the volume is positive.

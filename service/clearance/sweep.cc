@@ -1,0 +1,42 @@
+#include "service/clearance/sweep.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace soffit {
+
+Sweep SweepOctree(const octomap::OcTree& tree, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double radius_m,
+                  double bottom_m, double top_m) {
+  const double voxel = tree.getResolution();
+  const Eigen::Vector2d low = from.cwiseMin(to).array() - radius_m;
+  const Eigen::Vector2d high = from.cwiseMax(to).array() + radius_m;
+  const auto first = [&](double at) { return static_cast<int>(std::floor(at / voxel)); };
+  Sweep sweep;
+  for (int x = first(low.x()); x <= first(high.x()); ++x) {
+    for (int y = first(low.y()); y <= first(high.y()); ++y) {
+      const Eigen::Vector2d plan((x + 0.5) * voxel, (y + 0.5) * voxel);
+      const double distance = DistanceToSegment(plan, from, to);
+      if (distance > radius_m) continue;
+      for (int z = first(bottom_m); z <= first(top_m); ++z) {
+        const Eigen::Vector3d center(plan.x(), plan.y(), (z + 0.5) * voxel);
+        if (center.z() < bottom_m || center.z() > top_m) continue;
+        ++sweep.voxels;
+        const octomap::OcTreeNode* node = tree.search(center.x(), center.y(), center.z());
+        if (node == nullptr) {
+          ++sweep.unknown;
+          if (!sweep.first_unknown_m) sweep.first_unknown_m = center;
+        } else if (!tree.isNodeOccupied(node)) {
+          ++sweep.free;
+        } else {
+          const bool is_inside = distance + 0.71 * voxel <= radius_m && center.z() - 0.5 * voxel >= bottom_m &&
+                                 center.z() + 0.5 * voxel <= top_m;
+          if (is_inside && !sweep.first_occupied_m) sweep.first_occupied_m = center;
+          if (!is_inside) ++sweep.free;
+        }
+      }
+    }
+  }
+  return sweep;
+}
+
+}  // namespace soffit

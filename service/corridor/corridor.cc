@@ -1,0 +1,146 @@
+#include "service/corridor/corridor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <sstream>
+
+#include "service/corridor/rectangle.h"
+#include "service/facade/wall.h"
+
+namespace soffit {
+namespace {
+
+constexpr std::size_t kMaxObstacles = 5;  // In one passage; the nearest to its axis count.
+
+Eigen::Vector3d At(const Eigen::Vector2d& plan, double z) { return {plan.x(), plan.y(), z}; }
+
+/// The part of a ring where `direction . p <= limit`.
+Ring Clip(const Ring& ring, const Eigen::Vector2d& direction, double limit) {
+  Ring kept;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Eigen::Vector2d& a = ring[i];
+    const Eigen::Vector2d& b = ring[(i + 1) % ring.size()];
+    const double in_a = limit - direction.dot(a);
+    const double in_b = limit - direction.dot(b);
+    if (in_a >= 0.0) kept.push_back(a);
+    if ((in_a > 0.0 && in_b < 0.0) || (in_a < 0.0 && in_b > 0.0)) kept.push_back(a + in_a / (in_a - in_b) * (b - a));
+  }
+  return kept;
+}
+
+/// What an obstacle takes from a passage's section: the upright strip [left, right] up to `top`.
+struct Shadow {
+  double left = 0.0, right = 0.0, top = 0.0;
+  const Obstacle* obstacle = nullptr;
+};
+
+struct Free {
+  Rectangle rectangle;
+  double fit = 0.0;  ///< Room over need; at least 1 is wide and high enough.
+};
+
+std::optional<Free> FitRoom(const Ring& section, const VehicleEnvelope& vehicle) {
+  const auto rectangle = FitRectangle(section, vehicle.NeededWidth_m(), vehicle.NeededHeight_m());
+  if (!rectangle) return std::nullopt;
+  return Free{*rectangle, std::min((rectangle->right - rectangle->left) / vehicle.NeededWidth_m(),
+                                   (rectangle->top - rectangle->bottom) / vehicle.NeededHeight_m())};
+}
+
+/// Nothing fits: a rectangle without width in the middle.
+Free NoRoom(const Ring& section) {
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& p : section) middle += p / static_cast<double>(section.size());
+  return {{middle.x(), middle.x(), middle.y(), middle.y()}, 0.0};
+}
+
+/// The best room left of, right of or above each shadow.
+std::optional<Free> FitBetween(const Ring& section, const std::vector<Shadow>& shadows, std::size_t from,
+                               const VehicleEnvelope& vehicle) {
+  if (from == shadows.size()) return FitRoom(section, vehicle);
+  const Shadow& shadow = shadows[from];
+  std::optional<Free> best;
+  for (const Ring& part : {Clip(section, {1.0, 0.0}, shadow.left), Clip(section, {-1.0, 0.0}, -shadow.right),
+                           Clip(section, {0.0, -1.0}, -shadow.top)}) {
+    const auto free = FitBetween(part, shadows, from + 1, vehicle);
+    if (free && (!best || free->fit > best->fit)) best = free;
+  }
+  return best;
+}
+
+std::vector<Shadow> CastShadows(const std::vector<Obstacle>& obstacles, const Wall& wall, const Passage& passage,
+                                double stand_off) {
+  double left = passage.section_m.front().x();
+  double right = left;
+  for (const Eigen::Vector2d& p : passage.section_m) {
+    left = std::min(left, p.x());
+    right = std::max(right, p.x());
+  }
+  std::vector<Shadow> shadows;
+  for (const Obstacle& obstacle : obstacles) {
+    const double front = wall.Front(obstacle.base_in_map_m.head<2>());
+    const double u = wall.U(obstacle.base_in_map_m.head<2>());
+    const double reach = obstacle.radius_m + obstacle.std_m;
+    if (front - reach > stand_off || -front - reach > passage.length_m + stand_off) continue;
+    if (u + reach < left || u - reach > right) continue;
+    shadows.push_back({u - reach, u + reach, obstacle.height_m, &obstacle});
+  }
+  const double middle = 0.5 * (left + right);
+  std::stable_sort(shadows.begin(), shadows.end(), [&](const Shadow& a, const Shadow& b) {
+    return std::abs(0.5 * (a.left + a.right) - middle) < std::abs(0.5 * (b.left + b.right) - middle);
+  });
+  if (shadows.size() > kMaxObstacles) shadows.resize(kMaxObstacles);
+  return shadows;
+}
+
+std::string Describe(const std::vector<Shadow>& shadows) {
+  if (shadows.empty()) return "";
+  std::ostringstream text;
+  text.setf(std::ios::fixed);
+  text.precision(2);
+  const Eigen::Vector3d& at = shadows.front().obstacle->base_in_map_m;
+  text << "obstacle at " << at.x() << ", " << at.y() << ", " << shadows.front().obstacle->height_m << " m high";
+  return text.str();
+}
+
+}  // namespace
+
+std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id, const VehicleEnvelope& vehicle,
+                                    const CorridorOptions& options) {
+  SOFFIT_EXPECT(IsValid(vehicle));
+  SOFFIT_EXPECT(IsValidOptions(options));
+  const double stand_off = std::max(options.approach_m, vehicle.radius_m + vehicle.safety_margin_m);
+  std::vector<Corridor> corridors;
+  for (const Solid& solid : scene.solids) {
+    if (solid.footprint.object_id != object_id) continue;
+    for (const Passage& passage : solid.passages) {
+      const Wall wall = WallOf(solid.footprint.polygon_in_map_m.outer, passage.entry_wall);
+      const std::vector<Shadow> shadows = CastShadows(scene.obstacles, wall, passage, stand_off);
+      const Rectangle free = FitBetween(passage.section_m, shadows, 0, vehicle).value_or(NoRoom(passage.section_m)).rectangle;
+      const double u = 0.5 * (free.left + free.right);
+      const double z = 0.5 * (free.bottom + free.top);
+      const auto way = FindWayOut(solid.footprint.polygon_in_map_m, passage.entry_wall, u);
+      const double length = way ? way->length_m : passage.length_m;
+      Corridor corridor;
+      corridor.object_id = object_id;
+      corridor.entry_wall = passage.entry_wall;
+      corridor.exit_wall = passage.exit_wall;
+      corridor.entry_in_map_m = At(wall.InPlan(u) + stand_off * wall.outward, z);
+      corridor.exit_in_map_m = At(wall.InPlan(u) - (length + stand_off) * wall.outward, z);
+      corridor.free_width_m = free.right - free.left;
+      corridor.free_height_m = free.top - free.bottom;
+      corridor.floor_m = free.bottom;
+      corridor.std_m = passage.std_m;
+      corridor.limited_by = Describe(shadows);
+      corridor.was_seen_from_both_sides = passage.was_seen_from_both_sides;
+      corridors.push_back(corridor);
+    }
+  }
+  const auto fit = [&](const Corridor& c) {
+    return std::min(c.free_width_m / vehicle.NeededWidth_m(), c.free_height_m / vehicle.NeededHeight_m());
+  };
+  std::stable_sort(corridors.begin(), corridors.end(), [&](const auto& a, const auto& b) { return fit(a) > fit(b); });
+  return corridors;
+}
+
+}  // namespace soffit

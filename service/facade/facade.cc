@@ -1,0 +1,389 @@
+#include "service/facade/facade.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <opencv2/imgproc.hpp>
+#include <sstream>
+
+#include "service/facade/elevation.h"
+#include "service/facade/wall.h"
+#include "shared/result/result.h"
+
+namespace soffit {
+namespace {
+
+constexpr double kMinVisible = 0.90;        // Of a wall's columns: less does not tell what openings it has.
+constexpr double kMinThroughShare = 0.60;   // Of what is seen beyond: clutter far behind may hide the rest.
+constexpr double kMinSkyShare = 0.50;       // Of what is seen through it above the horizon.
+constexpr double kMinGroundOnlyShare = 0.90;
+constexpr double kStraightShare = 0.70;     // Of a head's columns that lie on one level: it is straight.
+constexpr double kPixelStd = 0.7;
+constexpr double kRoofSearch = 1.6;         // Times the height that is expected.
+constexpr double kFallbackHeight_m = 12.0;
+constexpr int kHeadSegments = 24;
+
+double Median(std::vector<double> values) {
+  SOFFIT_EXPECT(!values.empty());
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+bool Is(uchar seen, Seen wanted) { return seen == static_cast<uchar>(wanted); }
+
+/// Top edge of the wall in each of its columns that shows one: structure below, background above.
+std::vector<double> FindRoofEdge(const Elevation& view) {
+  const int run = std::max(3, view.Row(0.08));
+  std::vector<double> tops;
+  for (int column = view.seen.cols / 20; column < view.seen.cols - view.seen.cols / 20; ++column) {
+    int below = 0;
+    int background = 0;
+    for (int row = view.seen.rows - 1; row >= 0 && view.is_visible(row, column) != 0; --row) {
+      if (Is(view.seen(row, column), Seen::kStructure)) {
+        if (++below == run) {
+          if (background >= run) tops.push_back((row + run) * view.cell_m);
+          break;
+        }
+      } else {
+        background += below + 1;
+        below = 0;
+      }
+    }
+  }
+  return tops;
+}
+
+struct Height {
+  double value_m = 0.0;
+  double std_m = 0.0;
+};
+
+/// The height that the top edges of all walls agree on. A camera above the roof sees its far edge, not the wall's.
+Height MeasureHeight(const Footprint& object, const std::vector<Elevation>& views) {
+  std::vector<double> tops;
+  double std_m = 0.0;
+  for (const Elevation& view : views) {
+    const std::vector<double> edge = FindRoofEdge(view);
+    if (edge.size() < static_cast<std::size_t>(view.seen.cols) / 4) continue;
+    const double top = Median(edge);
+    if (top <= view.camera_uv_m.y() + view.cell_m) continue;
+    tops.push_back(top);
+    std_m = std::max(std_m, std::hypot(view.pose_std_m, kPixelStd * view.cell_m));
+  }
+  if (tops.empty()) return {object.height_m, object.height_std_m};
+  return {Median(tops), std_m / std::sqrt(static_cast<double>(tops.size()))};
+}
+
+/// A region of a wall that does not show the wall's own surface, as the lowest and highest cell of each column.
+struct Gap {
+  cv::Rect bounds;
+  cv::Mat1b inside;  ///< Size of the elevation, cropped to `bounds`.
+  bool is_standing = false;
+};
+
+std::vector<Gap> FindGaps(const Elevation& view, double height_m, double min_opening_m) {
+  const int rows = std::min(view.seen.rows, view.Row(height_m) - 2);
+  if (rows < 4) return {};
+  cv::Mat1b gap(rows, view.seen.cols, uchar{0});
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 2; column < gap.cols - 2; ++column) {
+      const bool is_own = Is(view.seen(row, column), Seen::kStructure);
+      if (!is_own && view.is_visible(row, column) != 0) gap(row, column) = 255;
+    }
+  }
+  const int reach = std::max(1, static_cast<int>(0.1 * min_opening_m / view.cell_m));
+  cv::morphologyEx(gap, gap, cv::MORPH_OPEN,
+                   cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * reach + 1, 2 * reach + 1)));
+  cv::Mat1i component;
+  cv::Mat stats, centers;
+  const int count = cv::connectedComponentsWithStats(gap, component, stats, centers, 8, CV_32S);
+  std::vector<Gap> gaps;
+  const int least = std::max(2, static_cast<int>(min_opening_m / view.cell_m));
+  for (int i = 1; i < count; ++i) {
+    Gap found;
+    found.bounds = {stats.at<int>(i, cv::CC_STAT_LEFT), stats.at<int>(i, cv::CC_STAT_TOP),
+                    stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT)};
+    found.is_standing = found.bounds.y <= 2 + reach;
+    if (found.bounds.width < least || (!found.is_standing && found.bounds.height < least)) continue;
+    found.inside = component(found.bounds) == i;
+    gaps.push_back(found);
+  }
+  return gaps;
+}
+
+struct Evidence {
+  bool is_through = false;
+  std::string text;
+};
+
+/// What a gap shows beyond the building: sky above the horizon and ground below it, or something else.
+Evidence WeighBackground(const Elevation& view, const Gap& gap, double shrink) {
+  const double horizon = view.camera_uv_m.y();
+  const double far_base = horizon * (1.0 - shrink);
+  double beyond = 0.0, background = 0.0, above = 0.0, sky = 0.0;
+  for (int row = 0; row < gap.inside.rows; ++row) {
+    const double v = view.Center(0, row + gap.bounds.y).y();
+    if (v < far_base) continue;
+    for (int column = 0; column < gap.inside.cols; ++column) {
+      if (gap.inside(row, column) == 0) continue;
+      const uchar seen = view.seen(row + gap.bounds.y, column + gap.bounds.x);
+      ++beyond;
+      if (Is(seen, Seen::kSky) || Is(seen, Seen::kGround)) ++background;
+      if (v > horizon + 2.0 * view.cell_m) {
+        ++above;
+        if (Is(seen, Seen::kSky)) ++sky;
+      }
+    }
+  }
+  Evidence evidence;
+  if (beyond <= 0.0) return {false, "nothing beyond it is seen"};
+  const double share = background / beyond;
+  const bool shows_sky = above > 0.05 * beyond;
+  evidence.is_through = shows_sky ? share >= kMinThroughShare && sky / above >= kMinSkyShare : share >= kMinGroundOnlyShare;
+  std::ostringstream text;
+  text.precision(2);
+  text << "sky or ground in " << share << " of what is seen through it";
+  if (shows_sky) text << ", sky in " << sky / above << " above the horizon";
+  evidence.text = text.str();
+  return evidence;
+}
+
+/// Brings the boundary of a see-through region back to the outline of the mouth. The wall's plane shows the common part
+/// of the near mouth and of the far one, which is shrunk about the camera's foot: an edge of the common part that has the
+/// camera's foot on its inner side belongs to the far mouth, any other to the near one.
+struct Mouth {
+  Eigen::Vector2d camera_uv_m;
+  double shrink = 1.0;
+
+  double Edge(double seen, double foot, double outward) const {
+    return (seen - foot) * outward > 0.0 ? foot + (seen - foot) / shrink : seen;
+  }
+  double Left(double u) const { return Edge(u, camera_uv_m.x(), -1.0); }
+  double Right(double u) const { return Edge(u, camera_uv_m.x(), 1.0); }
+  double Top(double v) const { return Edge(v, camera_uv_m.y(), 1.0); }
+  double Bottom(double v) const { return Edge(v, camera_uv_m.y(), -1.0); }
+};
+
+struct Span {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+/// Left and right side of an opening that stands on the ground, from where its jambs meet the ground: on the wall's
+/// plane these lines run from the jamb's foot towards the camera's foot, however deep the jamb is.
+std::optional<Span> MeasureFoot(const Elevation& view, const Gap& gap) {
+  const double horizon = view.camera_uv_m.y();
+  std::vector<double> lefts, rights;
+  const double up_to = std::max(4.0 * view.cell_m, 0.06 * horizon);
+  for (int row = 0; row < gap.inside.rows; ++row) {
+    const double v = view.Center(0, row + gap.bounds.y).y();
+    if (v < 1.5 * view.cell_m) continue;
+    if (v > up_to) break;
+    int first = -1;
+    int last = -1;
+    for (int column = 0; column < gap.inside.cols; ++column) {
+      if (gap.inside(row, column) == 0) continue;
+      if (first < 0) first = column;
+      last = column;
+    }
+    if (first < 0) continue;
+    const Mouth base{view.camera_uv_m, std::max(0.05, (horizon - v) / horizon)};
+    lefts.push_back(base.Left((gap.bounds.x + first) * view.cell_m));
+    rights.push_back(base.Right((gap.bounds.x + last + 1) * view.cell_m));
+  }
+  if (lefts.empty()) return std::nullopt;
+  return Span{Median(lefts), Median(rights)};
+}
+
+/// Sides of an opening that does not reach the ground, from its middle rows.
+Span MeasureSides(const Elevation& view, const Gap& gap, const Mouth& mouth) {
+  std::vector<double> lefts, rights;
+  for (int row = gap.inside.rows / 4; row <= 3 * gap.inside.rows / 4 && row < gap.inside.rows; ++row) {
+    int first = -1;
+    int last = -1;
+    for (int column = 0; column < gap.inside.cols; ++column) {
+      if (gap.inside(row, column) == 0) continue;
+      if (first < 0) first = column;
+      last = column;
+    }
+    if (first < 0) continue;
+    lefts.push_back(mouth.Left((gap.bounds.x + first) * view.cell_m));
+    rights.push_back(mouth.Right((gap.bounds.x + last + 1) * view.cell_m));
+  }
+  if (lefts.empty()) return {gap.bounds.x * view.cell_m, (gap.bounds.x + gap.bounds.width) * view.cell_m};
+  return {Median(lefts), Median(rights)};
+}
+
+struct Head {
+  double spring_m = 0.0;
+  double rise_m = 0.0;  ///< 0: straight.
+};
+
+/// Share of the points that lie within `reach` of level `at`.
+double ShareAt(const std::vector<Eigen::Vector2d>& points, double at, double reach) {
+  double count = 0.0;
+  for (const Eigen::Vector2d& point : points) count += std::abs(point.y() - at) <= reach ? 1.0 : 0.0;
+  return count / static_cast<double>(points.size());
+}
+
+/// Least squares of v = spring + rise sqrt(1 - t^2), t from -1 to 1 over the opening, with the worst fifth left out.
+Head FitArch(std::vector<Eigen::Vector2d> points, const Span& sides) {
+  const double middle = 0.5 * (sides.low + sides.high);
+  const double half = 0.5 * (sides.high - sides.low);
+  Head head;
+  for (int pass = 0; pass < 3; ++pass) {
+    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d right = Eigen::Vector2d::Zero();
+    for (const Eigen::Vector2d& point : points) {
+      const double t = std::clamp((point.x() - middle) / half, -1.0, 1.0);
+      const Eigen::Vector2d row(1.0, std::sqrt(1.0 - t * t));
+      normal += row * row.transpose();
+      right += point.y() * row;
+    }
+    const Eigen::Vector2d fit = normal.ldlt().solve(right);
+    head = {fit.x(), fit.y()};
+    const auto residual = [&](const Eigen::Vector2d& point) {
+      const double t = std::clamp((point.x() - middle) / half, -1.0, 1.0);
+      return std::abs(point.y() - head.spring_m - head.rise_m * std::sqrt(1.0 - t * t));
+    };
+    std::stable_sort(points.begin(), points.end(), [&](const auto& a, const auto& b) { return residual(a) < residual(b); });
+    if (points.size() > 20) points.resize(points.size() * 4 / 5);
+  }
+  return head;
+}
+
+Head MeasureHead(const Elevation& view, const Gap& gap, const Mouth& mouth, const Span& sides) {
+  std::vector<Eigen::Vector2d> points;
+  const double width = sides.high - sides.low;
+  for (int column = 0; column < gap.inside.cols; ++column) {
+    int top = -1;
+    for (int row = gap.inside.rows - 1; row >= 0 && top < 0; --row) {
+      if (gap.inside(row, column) != 0) top = row;
+    }
+    if (top < 0) continue;
+    const double v = (gap.bounds.y + top + 1) * view.cell_m;
+    const double u = view.Center(gap.bounds.x + column, 0).x();
+    const bool is_far = v > view.camera_uv_m.y();
+    const double mouth_u = is_far ? view.camera_uv_m.x() + (u - view.camera_uv_m.x()) / mouth.shrink : u;
+    if (mouth_u < sides.low + 0.02 * width || mouth_u > sides.high - 0.02 * width) continue;
+    points.emplace_back(mouth_u, mouth.Top(v));
+  }
+  if (points.empty()) return {(gap.bounds.y + gap.bounds.height) * view.cell_m, 0.0};
+  std::vector<double> levels;
+  for (const Eigen::Vector2d& point : points) {
+    if (std::abs(point.x() - 0.5 * (sides.low + sides.high)) < 0.3 * width) levels.push_back(point.y());
+  }
+  if (levels.empty()) {
+    for (const Eigen::Vector2d& point : points) levels.push_back(point.y());
+  }
+  const double level = Median(levels);
+  const double reach = 2.5 * view.cell_m / mouth.shrink;
+  if (ShareAt(points, level, reach) >= kStraightShare) return {level, 0.0};
+  const Head arch = FitArch(points, sides);
+  const bool is_arch = arch.rise_m > 0.05 * width && arch.spring_m >= 0.0;
+  return is_arch ? arch : Head{level, 0.0};
+}
+
+/// Counter-clockwise as seen from outside.
+Ring MouthRing(const Span& sides, double bottom, const Head& head) {
+  Ring ring = {{sides.low, bottom}, {sides.high, bottom}};
+  if (head.rise_m == 0.0) {
+    ring.emplace_back(sides.high, head.spring_m);
+    ring.emplace_back(sides.low, head.spring_m);
+    return ring;
+  }
+  const double middle = 0.5 * (sides.low + sides.high);
+  const double half = 0.5 * (sides.high - sides.low);
+  for (int i = 0; i <= kHeadSegments; ++i) {
+    const double angle = M_PI * i / kHeadSegments;
+    ring.emplace_back(middle + half * std::cos(angle), head.spring_m + head.rise_m * std::sin(angle));
+  }
+  return ring;
+}
+
+std::optional<Opening> MeasureOpening(const Elevation& view, const Gap& gap, const Polygon& footprint, int side,
+                                      double height_m) {
+  const double middle_u = (gap.bounds.x + 0.5 * gap.bounds.width) * view.cell_m;
+  const std::optional<WayOut> way = FindWayOut(footprint, side, middle_u);
+  Opening opening;
+  opening.captures = {view.capture_id};
+  Mouth mouth{view.camera_uv_m, 1.0};
+  if (way) {
+    const double shrink = view.camera_front_m / (view.camera_front_m + way->length_m);
+    const Evidence evidence = WeighBackground(view, gap, shrink);
+    opening.is_through = evidence.is_through;
+    opening.evidence = evidence.text;
+    if (opening.is_through) mouth.shrink = shrink;
+  } else {
+    opening.evidence = "no wall opposite it";
+  }
+  Span sides = MeasureSides(view, gap, mouth);
+  double bottom = 0.0;
+  if (gap.is_standing) {
+    if (const std::optional<Span> foot = MeasureFoot(view, gap)) sides = *foot;
+  } else {
+    bottom = mouth.Bottom(gap.bounds.y * view.cell_m);
+  }
+  sides.low = std::max(sides.low, 0.0);
+  sides.high = std::min(sides.high, view.wall.width_m);
+  if (!(sides.high - sides.low > 2.0 * view.cell_m)) return std::nullopt;
+  Head head = MeasureHead(view, gap, mouth, sides);
+  const double top = head.spring_m + head.rise_m;
+  if (!(top > bottom + 2.0 * view.cell_m) || top >= height_m) return std::nullopt;
+  opening.ring_in_wall_m = MouthRing(sides, bottom, head);
+  opening.std_m = std::hypot(view.pose_std_m, kPixelStd * view.cell_m / mouth.shrink);
+  if (!IsSimple(opening.ring_in_wall_m)) return std::nullopt;
+  return opening;
+}
+
+}  // namespace
+
+std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image>& images, const std::vector<Mask>& masks,
+                                const std::vector<Sight>& sights, const FacadeOptions& options) {
+  SOFFIT_EXPECT(IsValidOptions(options));
+  SOFFIT_EXPECT(images.size() == sights.size() && masks.size() == sights.size());
+  const Polygon& footprint = object.polygon_in_map_m;
+  const int sides = static_cast<int>(footprint.outer.size());
+  const double expected_m = object.height_m > 0.0 ? object.height_m : kFallbackHeight_m;
+
+  std::vector<std::optional<Elevation>> best(static_cast<std::size_t>(sides));
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    const auto found = std::find(masks[i].classes.begin(), masks[i].classes.end(), object.color);
+    const int own_class = found == masks[i].classes.end() ? 0 : static_cast<int>(found - masks[i].classes.begin()) + 1;
+    for (int side = 0; side < sides; ++side) {
+      std::optional<Elevation> view = Rectify(footprint, side, kRoofSearch * expected_m, own_class, images[i], masks[i],
+                                              sights[i], options.resolution_m);
+      std::optional<Elevation>& chosen = best[static_cast<std::size_t>(side)];
+      if (view && (!chosen || view->quality > chosen->quality)) chosen = std::move(view);
+    }
+  }
+
+  std::vector<Elevation> seen;
+  for (const auto& view : best) {
+    if (view && view->visible_ratio >= kMinVisible) seen.push_back(*view);
+  }
+  const Height height = MeasureHeight(object, seen);
+
+  std::vector<Facade> facades;
+  for (int side = 0; side < sides; ++side) {
+    const std::optional<Elevation>& view = best[static_cast<std::size_t>(side)];
+    Facade facade;
+    facade.object_id = object.object_id;
+    facade.side = side;
+    facade.width_m = WallOf(footprint.outer, side).width_m;
+    facade.height_m = height.value_m;
+    facade.height_std_m = height.std_m;
+    facade.was_seen = view && view->visible_ratio >= kMinVisible;
+    if (facade.was_seen && height.value_m > 0.0) {
+      for (const Gap& gap : FindGaps(*view, height.value_m, options.min_opening_m)) {
+        std::optional<Opening> opening = MeasureOpening(*view, gap, footprint, side, height.value_m);
+        if (opening) facade.openings.push_back(*std::move(opening));
+      }
+    }
+    facades.push_back(std::move(facade));
+  }
+  return facades;
+}
+
+}  // namespace soffit

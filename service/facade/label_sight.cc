@@ -1,0 +1,273 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "service/facade/facade.h"
+#include "shared/result/result.h"
+
+namespace soffit {
+namespace {
+
+constexpr int kMinDarkValue = 10;            // Of 255: below, a hue is noise.
+constexpr double kMinHueShare = 0.003;       // Of a class's pixels: rarer hues are stray.
+constexpr int kHueReach = 4;                 // Of 256.
+constexpr double kShadeSaturation = 0.60;    // Of the class's own saturation: what shade and haze may leave of it.
+constexpr double kSurelySkyRise = 0.12;      // Tangent above the horizon: few things reach higher.
+constexpr double kSurelyGroundRise = -0.05;
+constexpr int kMaxSkyStep = 5;               // Of 255, from pixel to pixel: how fast sky fades.
+constexpr double kMinSkyShare = 2e-4;
+constexpr double kChromaReach = 0.022;
+constexpr double kDeepestShade = 0.18;       // Of the lit ground's median.
+constexpr int kMinSpeck_px = 8;
+
+/// Height of each pixel's ray above the horizon, as a tangent: affine in the pixel.
+struct Horizon {
+  double per_x = 0.0;
+  double per_y = 0.0;
+  double at_origin = 0.0;
+
+  explicit Horizon(const View& view) {
+    const Eigen::Matrix3d rotation = view.map_from_camera.rotation.toRotationMatrix();
+    const Intrinsics& k = view.intrinsics;
+    per_x = rotation(2, 0) / k.fx_px;
+    per_y = rotation(2, 1) / k.fy_px;
+    at_origin = rotation(2, 2) - k.cx_px * per_x - k.cy_px * per_y;
+  }
+  double Rise(int x, int y) const { return per_x * x + per_y * y + at_origin; }
+};
+
+double Quantile(std::vector<float>& values, double share) {
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+/// The hues of one colour class as this picture shows them, and the least saturation that goes with each.
+std::array<int, 256> LearnHues(const cv::Mat3b& hsv, const cv::Mat1b& label, int class_label) {
+  std::array<double, 256> count{};
+  std::array<double, 256> saturation_sum{};
+  double total = 0.0;
+  for (int y = 0; y < hsv.rows; ++y) {
+    for (int x = 0; x < hsv.cols; ++x) {
+      if (label(y, x) != class_label) continue;
+      const cv::Vec3b& pixel = hsv(y, x);
+      count[pixel[0]] += 1.0;
+      saturation_sum[pixel[0]] += pixel[1];
+      total += 1.0;
+    }
+  }
+  std::array<int, 256> least_saturation;
+  least_saturation.fill(256);
+  for (int hue = 0; hue < 256; ++hue) {
+    const std::size_t h = static_cast<std::size_t>(hue);
+    if (count[h] < std::max(50.0, kMinHueShare * total)) continue;
+    const int least = static_cast<int>(kShadeSaturation * saturation_sum[h] / count[h]);
+    for (int step = -kHueReach; step <= kHueReach; ++step) {
+      int& entry = least_saturation[static_cast<std::size_t>((hue + step) & 255)];
+      entry = std::min(entry, least);
+    }
+  }
+  return least_saturation;
+}
+
+void MarkStructure(const cv::Mat3b& smooth, const Mask& buildings, cv::Mat1b& seen) {
+  cv::Mat3b hsv;
+  cv::cvtColor(smooth, hsv, cv::COLOR_BGR2HSV_FULL);
+  std::array<int, 256> least_saturation;
+  least_saturation.fill(256);
+  for (std::size_t i = 0; i < buildings.classes.size(); ++i) {
+    const std::array<int, 256> of_class = LearnHues(hsv, buildings.label, static_cast<int>(i + 1));
+    for (std::size_t h = 0; h < 256; ++h) least_saturation[h] = std::min(least_saturation[h], of_class[h]);
+  }
+  for (int y = 0; y < hsv.rows; ++y) {
+    for (int x = 0; x < hsv.cols; ++x) {
+      const cv::Vec3b& pixel = hsv(y, x);
+      if (pixel[2] >= kMinDarkValue && pixel[1] >= least_saturation[pixel[0]]) {
+        seen(y, x) = static_cast<uchar>(Seen::kStructure);
+      }
+    }
+  }
+}
+
+/// A set of colours, kept as cells of 8 levels a side.
+class ColorSet {
+ public:
+  void Add(const cv::Vec3b& color) { ++count_[Cell(color)]; }
+  /// Drops what is rarer than `share` and takes in the neighbouring cells.
+  void Close(double share) {
+    double total = 0.0;
+    for (const int count : count_) total += count;
+    has_.assign(count_.size(), false);
+    for (int cell = 0; cell < static_cast<int>(count_.size()); ++cell) {
+      if (count_[static_cast<std::size_t>(cell)] < std::max(3.0, share * total)) continue;
+      for (int b = -1; b <= 1; ++b) {
+        for (int g = -1; g <= 1; ++g) {
+          for (int r = -1; r <= 1; ++r) Take(cell, b, g, r);
+        }
+      }
+    }
+  }
+  bool Has(const cv::Vec3b& color) const { return has_[Cell(color)]; }
+
+ private:
+  static std::size_t Cell(const cv::Vec3b& color) {
+    return static_cast<std::size_t>(((color[0] >> 3) << 10) | ((color[1] >> 3) << 5) | (color[2] >> 3));
+  }
+  void Take(int cell, int b, int g, int r) {
+    const int blue = (cell >> 10) + b;
+    const int green = ((cell >> 5) & 31) + g;
+    const int red = (cell & 31) + r;
+    if (std::min({blue, green, red}) < 0 || std::max({blue, green, red}) > 31) return;
+    has_[static_cast<std::size_t>((blue << 10) | (green << 5) | red)] = true;
+  }
+  std::vector<int> count_ = std::vector<int>(32 * 32 * 32, 0);
+  std::vector<bool> has_ = std::vector<bool>(32 * 32 * 32, false);
+};
+
+int LargestStep(const cv::Vec3b& a, const cv::Vec3b& b) {
+  return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
+}
+
+/// Sky fades smoothly downward from what is surely sky; the colours met on the way are then sky in openings too.
+void MarkSky(const cv::Mat3b& smooth, const Horizon& horizon, cv::Mat1b& seen) {
+  ColorSet high;
+  for (int y = 0; y < seen.rows; ++y) {
+    for (int x = 0; x < seen.cols; ++x) {
+      if (seen(y, x) == 0 && horizon.Rise(x, y) > kSurelySkyRise) high.Add(smooth(y, x));
+    }
+  }
+  high.Close(kMinSkyShare);
+  ColorSet all;
+  cv::Mat1b faded(seen.size(), uchar{0});
+  for (int y = 0; y < seen.rows; ++y) {
+    for (int x = 0; x < seen.cols; ++x) {
+      if (seen(y, x) != 0 || horizon.Rise(x, y) <= 0.0) continue;
+      const cv::Vec3b& color = smooth(y, x);
+      const bool goes_on = y > 0 && faded(y - 1, x) != 0 && LargestStep(color, smooth(y - 1, x)) <= kMaxSkyStep;
+      if (!goes_on && !(horizon.Rise(x, y) > kSurelySkyRise && high.Has(color))) continue;
+      faded(y, x) = 1;
+      all.Add(color);
+    }
+  }
+  all.Close(kMinSkyShare);
+  for (int y = 0; y < seen.rows; ++y) {
+    for (int x = 0; x < seen.cols; ++x) {
+      if (seen(y, x) == 0 && horizon.Rise(x, y) > 0.0 && all.Has(smooth(y, x))) {
+        seen(y, x) = static_cast<uchar>(Seen::kSky);
+      }
+    }
+  }
+}
+
+struct Chroma {
+  float red = 0.0F;
+  float green = 0.0F;
+  float sum = 0.0F;
+
+  explicit Chroma(const cv::Vec3b& color) : sum(static_cast<float>(color[0] + color[1] + color[2])) {
+    red = sum > 0.0F ? static_cast<float>(color[2]) / sum : 0.0F;
+    green = sum > 0.0F ? static_cast<float>(color[1]) / sum : 0.0F;
+  }
+};
+
+/// The ground's colour as the lower half of what lies below the horizon shows it.
+struct GroundModel {
+  double red = 0.0;
+  double green = 0.0;
+  double spread = 0.0;   ///< Median absolute deviation of the chromaticity.
+  double least_sum = 0.0;
+  double most_sum = -1.0;
+
+  bool Explains(const cv::Vec3b& color) const {
+    const Chroma seen(color);
+    if (seen.sum < least_sum || seen.sum > most_sum) return false;
+    const double reach = kChromaReach + 3.0 * spread + 1.5 / std::max(1.0F, seen.sum);
+    return std::hypot(seen.red - red, seen.green - green) <= reach;
+  }
+};
+
+GroundModel LearnGround(const cv::Mat3b& smooth, const Horizon& horizon, const cv::Mat1b& seen) {
+  double lowest_rise = 0.0;
+  for (const int x : {0, seen.cols - 1}) lowest_rise = std::min(lowest_rise, horizon.Rise(x, seen.rows - 1));
+  const double below = std::min(kSurelyGroundRise, 0.5 * lowest_rise);
+  std::vector<float> reds, greens, sums;
+  for (int y = 0; y < seen.rows; ++y) {
+    for (int x = 0; x < seen.cols; ++x) {
+      if (seen(y, x) != 0 || horizon.Rise(x, y) > below) continue;
+      const Chroma color(smooth(y, x));
+      reds.push_back(color.red);
+      greens.push_back(color.green);
+      sums.push_back(color.sum);
+    }
+  }
+  GroundModel model;
+  if (reds.size() < 100) return model;
+  model.red = Quantile(reds, 0.5);
+  model.green = Quantile(greens, 0.5);
+  std::vector<float> deviations;
+  deviations.reserve(reds.size());
+  for (const float red : reds) deviations.push_back(std::abs(red - static_cast<float>(model.red)));
+  model.spread = Quantile(deviations, 0.5);
+  model.least_sum = kDeepestShade * Quantile(sums, 0.5);
+  model.most_sum = 1.15 * Quantile(sums, 0.995);
+  return model;
+}
+
+void MarkGround(const cv::Mat3b& smooth, const Horizon& horizon, cv::Mat1b& seen) {
+  const GroundModel model = LearnGround(smooth, horizon, seen);
+  for (int y = 0; y < seen.rows; ++y) {
+    for (int x = 0; x < seen.cols; ++x) {
+      if (seen(y, x) == 0 && horizon.Rise(x, y) < 0.0 && model.Explains(smooth(y, x))) {
+        seen(y, x) = static_cast<uchar>(Seen::kGround);
+      }
+    }
+  }
+}
+
+/// Single noisy pixels take the label that surrounds them; a thin line is not a speck.
+void DropSpecks(const Horizon& horizon, cv::Mat1b& seen) {
+  cv::Mat1i component;
+  cv::Mat stats, centers;
+  const int count = cv::connectedComponentsWithStats(seen == 0, component, stats, centers, 8, CV_32S);
+  cv::Mat1b around;
+  cv::dilate(seen, around, cv::Mat());
+  for (int y = 0; y < seen.rows; ++y) {
+    for (int x = 0; x < seen.cols; ++x) {
+      const int i = component(y, x);
+      if (i == 0 || i >= count || stats.at<int>(i, cv::CC_STAT_AREA) >= kMinSpeck_px) continue;
+      const bool is_above = horizon.Rise(x, y) > 0.0;
+      uchar label = around(y, x);
+      if (is_above && label == static_cast<uchar>(Seen::kGround)) label = 0;
+      if (!is_above && label == static_cast<uchar>(Seen::kSky)) label = static_cast<uchar>(Seen::kGround);
+      seen(y, x) = label;
+    }
+  }
+}
+
+}  // namespace
+
+Sight LabelSight(const Image& image, const Mask& buildings, const FacadeOptions& options) {
+  SOFFIT_EXPECT(IsValidOptions(options));
+  SOFFIT_EXPECT(!image.bgr.empty());
+  SOFFIT_EXPECT(buildings.label.size() == image.bgr.size());
+  Sight sight;
+  sight.capture_id = image.capture_id;
+  sight.has_trusted_pose = image.has_trusted_pose;
+  sight.view = image.view;
+  sight.seen = cv::Mat1b(image.bgr.size(), static_cast<uchar>(Seen::kUnexplained));
+  cv::Mat3b smooth;
+  cv::GaussianBlur(image.bgr, smooth, cv::Size(3, 3), 0.0);
+  const Horizon horizon(image.view);
+  MarkStructure(smooth, buildings, sight.seen);
+  MarkSky(smooth, horizon, sight.seen);
+  MarkGround(smooth, horizon, sight.seen);
+  DropSpecks(horizon, sight.seen);
+  cv::Mat1b outside(sight.seen.size(), uchar{255});
+  outside(image.seen & cv::Rect(0, 0, outside.cols, outside.rows)) = 0;
+  sight.seen.setTo(static_cast<uchar>(Seen::kUnexplained), outside);
+  return sight;
+}
+
+}  // namespace soffit

@@ -1,0 +1,89 @@
+#include "service/solid/boolean.h"
+
+#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/corefinement.h>
+#include <CGAL/Polygon_mesh_processing/orientation.h>
+#include <CGAL/Polygon_mesh_processing/triangulate_faces.h>
+#include <CGAL/Surface_mesh.h>
+
+#include <algorithm>
+#include <map>
+
+namespace soffit {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
+using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
+namespace pmp = CGAL::Polygon_mesh_processing;
+
+Kernel::Point_3 ToPoint(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
+
+/// Closed triangle mesh with outward normals; empty when the prism is degenerate.
+Surface Raise(const Prism& prism) {
+  Surface surface;
+  if (prism.ring.size() < 3 || !IsSimple(prism.ring)) return surface;
+  const bool is_flipped = prism.x_axis.cross(prism.y_axis).dot(prism.sweep_m) < 0.0;
+  std::vector<Surface::Vertex_index> near, far;
+  for (const Eigen::Vector2d& at : prism.ring) {
+    const Eigen::Vector3d corner = prism.origin_m + at.x() * prism.x_axis + at.y() * prism.y_axis;
+    near.push_back(surface.add_vertex(ToPoint(corner)));
+    far.push_back(surface.add_vertex(ToPoint(corner + prism.sweep_m)));
+  }
+  const std::size_t n = prism.ring.size();
+  const auto add = [&](std::vector<Surface::Vertex_index> face) {
+    if (is_flipped) std::reverse(face.begin(), face.end());
+    surface.add_face(face);
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t j = (i + 1) % n;
+    add({near[i], near[j], far[j]});
+    add({near[i], far[j], far[i]});
+  }
+  add(far);
+  add({near.rbegin(), near.rend()});
+  pmp::triangulate_faces(surface);
+  return surface;
+}
+
+bool IsSolid(const Surface& surface) {
+  return !surface.is_empty() && CGAL::is_triangle_mesh(surface) && CGAL::is_closed(surface) &&
+         pmp::is_outward_oriented(surface);
+}
+
+Mesh ToMesh(const Surface& surface) {
+  Mesh mesh;
+  std::map<Surface::Vertex_index, int> index;
+  for (const auto vertex : surface.vertices()) {
+    const auto& p = surface.point(vertex);
+    index[vertex] = static_cast<int>(mesh.vertices_in_map_m.size());
+    mesh.vertices_in_map_m.emplace_back(CGAL::to_double(p.x()), CGAL::to_double(p.y()), CGAL::to_double(p.z()));
+  }
+  for (const auto face : surface.faces()) {
+    std::array<int, 3> triangle{};
+    std::size_t corner = 0;
+    for (const auto vertex : surface.vertices_around_face(surface.halfedge(face))) triangle[corner++] = index[vertex];
+    mesh.triangles.push_back(triangle);
+  }
+  return mesh;
+}
+
+}  // namespace
+
+Result<Mesh> Subtract(const Prism& body, const std::vector<Prism>& cuts) {
+  Surface rest = Raise(body);
+  if (!IsSolid(rest)) return InvalidInput("the footprint is not a simple counter-clockwise polygon with a height");
+  for (const Prism& cut : cuts) {
+    Surface tool = Raise(cut);
+    if (!IsSolid(tool)) return InvalidInput("an opening is not a simple counter-clockwise polygon");
+    Surface difference;
+    if (!pmp::corefine_and_compute_difference(rest, tool, difference)) {
+      return Error{Error::Code::kInternal, "cutting an opening leaves no 2-manifold"};
+    }
+    difference.collect_garbage();
+    if (!IsSolid(difference)) return Error{Error::Code::kInternal, "cutting an opening leaves no closed solid"};
+    rest = std::move(difference);
+  }
+  return ToMesh(rest);
+}
+
+}  // namespace soffit
