@@ -5,6 +5,7 @@ Used by deploy/demo, by the end-to-end tests and by bench_missions. Everything t
 import contextlib
 import fcntl
 import json
+import math
 import os
 import shutil
 import signal
@@ -16,9 +17,16 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import yaml
+
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIOS = ROOT / "test" / "sim" / "scenarios"
 VEHICLE_ID = 1
+EXPECTED_OUTCOMES = {  # what the simulator's truth demands -> how the mission may end
+    "flown": {"flown"},
+    "not-flown": {"blocked", "insufficient data"},
+    "no-match": {"no match"},
+}
 
 
 class MissionError(Exception):
@@ -122,3 +130,156 @@ class Process:
             for line in Path(f"/proc/{self.child.pid}/status").read_text().splitlines():
                 if line.startswith("VmHWM:"):
                     self.peak_mib = int(line.split()[1]) / 1024
+
+
+class Mission:
+    """One mission in one folder. `fly` starts the programs, follows the mission to its end and stops them again."""
+
+    def __init__(self, world, out, options):
+        self.world, self.out, self.options = Path(world).resolve(), Path(out).resolve(), options
+        self.processes = []
+
+    def fly(self):
+        self.prepare()
+        started = time.monotonic()
+        with dds_domain() as radio, dds_domain() as local:
+            try:
+                self.start_programs(radio, local)
+                self.run_mission(local)
+            finally:
+                self.stop_programs()
+        outcome = self.judge()
+        outcome.duration_s = time.monotonic() - started
+        outcome.peak_mib = {p.name: p.peak_mib for p in self.processes}
+        return outcome
+
+    def tool(self, name):
+        path = self.options.bin_dir / name
+        if not path.exists():
+            raise MissionError(f"{path} is not there; run deploy/build first")
+        return path
+
+    def call(self, *command):
+        done = subprocess.run([str(c) for c in command], text=True, capture_output=True)
+        if done.returncode != 0:
+            raise MissionError(f"{' '.join(str(c) for c in command)}: {done.stderr.strip() or done.stdout.strip()}")
+        return done.stdout
+
+    def prepare(self):
+        for folder in ("config", "log", "truth", "data"):
+            shutil.rmtree(self.out / folder, ignore_errors=True)
+            (self.out / folder).mkdir(parents=True)
+        self.setting = yaml.safe_load(self.world.read_text())
+        self.reference = self.out / "reference.png"
+        self.call(self.tool("soffit-sim"), "reference", self.world, "--out", self.reference)
+        self.expected = json.loads(self.call(self.tool("soffit-sim"), "truth", self.world))
+
+    def start_programs(self, radio, local):
+        real = "://" in self.options.autopilot or ":" in self.options.autopilot
+        port = free_udp_port()
+        simulator = self.start(
+            "soffit-sim", "run", self.world, "--out", self.out / "truth", "--seed", self.options.seed,
+            "--autopilot", "none" if real else self.options.autopilot,
+            "--mavlink", self.options.follow_url if real else f"udpout:127.0.0.1:{port}",
+            *(["--quick-start"] if self.options.quick_start and not real else []))
+        cameras = simulator.read_json_line(60)["camera_port"]
+        self.start("soffitd", "--config", self.write_config("soffitd", self.service_config(radio, local)))
+        link = self.options.autopilot if real else f"udpin:127.0.0.1:{port}"
+        self.start("soffit-agent", "--config", self.write_config("agent", self.agent_config(radio, link, cameras)))
+
+    def start(self, name, *arguments):
+        process = Process(name, [self.tool(name), *arguments], self.out / "log" / f"{name}.log")
+        self.processes.append(process)
+        return process
+
+    def write_config(self, name, config):
+        path = self.out / "config" / f"{name}.yaml"
+        path.write_text(yaml.safe_dump(config, sort_keys=False))
+        return path
+
+    def service_config(self, radio, local):
+        altitude_m = self.setting["mission"].get("overview_altitude_m")
+        viewpoint = {"overview_altitude_m": altitude_m} if altitude_m else {}
+        return {"radio": {"domain_id": radio}, "local": {"domain_id": local}, "data_folder": str(self.out / "data"),
+                "pipeline": {"viewpoint": viewpoint}}
+
+    def agent_config(self, radio, link, camera_port):
+        noise = self.setting.get("pose_noise", {})
+        camera = {key: value for key, value in self.setting["camera"].items() if key in (
+            "width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion")}
+        camera.setdefault("fy_px", camera["fx_px"])
+        source = f"souphttpsrc location=http://127.0.0.1:{camera_port}/%s.jpg"
+        return {
+            "vehicle": {"id": VEHICLE_ID, "name": "demo", **self.setting["vehicle"]},
+            "mavlink": link,
+            "radio": {"domain_id": radio},
+            "autopilot": {"position_std_m": noise.get("position_std_m", 0.0),
+                          "orientation_std_rad": math.radians(noise.get("orientation_std_deg", 0.0))},
+            "cameras": {"forward": {"pipeline": source % "forward", **camera},
+                        "down": {"pipeline": source % "down", "mount": {"pitch_deg": -90.0}, **camera}},
+        }
+
+    def run_mission(self, local):
+        """Starts the mission over DDS, as an operator does, and follows it to its end."""
+        command = [self.tool("soffit"), "mission", "start", "--domain", local, "--vehicle", VEHICLE_ID,
+                   "--reference", self.reference, "--watch"]
+        center = self.setting["mission"].get("area_center")
+        if center:
+            command += ["--area-center", f"{center[0]},{center[1]}"]
+        log = open(self.out / "log" / "mission.log", "w")
+        client = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=False)
+        until = time.monotonic() + self.options.timeout_s
+        os.set_blocking(client.stdout.fileno(), False)
+        while client.poll() is None:
+            self.pass_on(client, log)
+            dead = [p for p in self.processes if not p.alive()]
+            if dead or time.monotonic() > until:
+                client.terminate()
+                client.wait()
+                raise MissionError(f"{dead[0].name} died: {dead[0].last_words()}" if dead else
+                                   f"the mission did not end within {self.options.timeout_s:.0f} s, see {self.out}/log")
+            time.sleep(0.05)
+        self.pass_on(client, log)
+
+    def pass_on(self, client, log):
+        text = (client.stdout.read() or b"").decode(errors="replace")
+        log.write(text)
+        log.flush()
+        if self.options.verbose and text:
+            sys.stdout.write(text)
+            sys.stdout.flush()
+
+    def stop_programs(self):
+        for process in self.processes:
+            if process.alive():
+                process.note_peak()
+        for process in reversed(self.processes):
+            process.end()
+
+    @property
+    def mission_folder(self):
+        folders = sorted((self.out / "data").glob("mission-*"))
+        if not folders:
+            raise MissionError(f"the service kept no mission: {self.processes[1].last_words()}")
+        return folders[-1]
+
+    def judge(self):
+        """What the simulator's ground truth says of how the mission ended."""
+        truth = json.loads((self.out / "truth" / "truth.json").read_text())
+        mission = json.loads((self.mission_folder / "mission.json").read_text())
+        outcome = Outcome(ok=False, why="", expected=self.expected["expected"], outcome=mission["outcome"],
+                          reason=mission.get("message", ""), contacts=len(truth["contacts"]),
+                          least_distance_m=truth["least_distance_m"], passage_flown=truth["passage_flown"])
+        wrongs = []
+        if outcome.contacts:
+            wrongs.append(f"touched {truth['contacts'][0]['with']}")
+        if any(not flight["passable"] for flight in truth["flights_under"]):
+            wrongs.append("flew under what is not passable")
+        if not truth["on_ground"]:
+            wrongs.append("did not land")
+        if outcome.outcome not in EXPECTED_OUTCOMES[outcome.expected]:
+            wrongs.append(f"the truth is {outcome.expected}, the mission ended {outcome.outcome}: {outcome.reason}")
+        elif (outcome.expected == "flown") != outcome.passage_flown:
+            wrongs.append("the passage was " + ("not " if not outcome.passage_flown else "") + "flown")
+        outcome.ok, outcome.why = not wrongs, "; ".join(wrongs)
+        return outcome

@@ -1,0 +1,214 @@
+#include "test/sim/command/run.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "test/sim/camera/camera_server.h"
+#include "test/sim/command/control_server.h"
+#include "test/sim/flight/flight.h"
+#include "test/sim/render/renderer.h"
+#include "test/sim/truth/truth.h"
+#include "test/sim/world/space.h"
+#include "test/sim/world/world.h"
+#include "vehicle_agent/mavlink/link.h"
+
+namespace soffit::sim {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kRound{5};
+constexpr std::int64_t kTruthPeriod_ns = 1'000'000'000;
+constexpr std::int64_t kTrackPeriod_ns = 50'000'000;
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+std::int64_t UtcNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+/// Readers see the old file or the new one, never a part.
+void WriteWhole(const std::filesystem::path& file, const std::string& text) {
+  const std::filesystem::path fresh = file.string() + ".part";
+  {
+    std::ofstream stream(fresh);
+    stream << text;
+  }
+  std::filesystem::rename(fresh, file);
+}
+
+/// One run: everything that happens between the start and the signal to stop.
+class Session {
+ public:
+  Session(const RunOptions& options, const World& world, const Truth& truth,
+          std::unique_ptr<mavlink::Link> link)
+      : options_(options),
+        world_(world),
+        truth_(truth),
+        link_(std::move(link)),
+        space_(world),
+        renderer_(world),
+        flight_(MakeFlight()),
+        cameras_(
+            world, renderer_,
+            [this](Mount mount, std::int64_t utc_ns) { return flight_->poses().CameraAt(mount, utc_ns); },
+            {options.camera_port, options.seed, options.broken_picture_ratio, options.late_picture_ratio}),
+        track_(std::filesystem::path(options.out_folder) / "track.csv"),
+        control_(
+            options.control_port, [this](const std::string& words) { return Disturb(words); },
+            [this] {
+              const std::lock_guard lock(mutex_);
+              return TruthJson(false).dump();
+            }) {
+    track_ << Flight::TrackHeader() << '\n';
+  }
+
+  void Go() {
+    const nlohmann::json ready = {{"mavlink", link_->Url()},
+                                  {"camera_port", cameras_.port()},
+                                  {"control_port", control_.port()},
+                                  {"out", options_.out_folder}};
+    std::cout << ready.dump() << std::endl;
+    while (stop_requested == 0) Round();
+    const std::lock_guard lock(mutex_);
+    WriteTruth(true);
+    TellContacts();
+  }
+
+ private:
+  std::unique_ptr<Flight> MakeFlight() const {
+    if (options_.autopilot == "none") return FollowFlight(world_, space_, truth_);
+    const auto kind = options_.autopilot == "px4" ? AutopilotKind::kPx4 : AutopilotKind::kArduPilot;
+    return SimulateFlight(world_, space_, truth_, {kind, options_.is_quick_start, options_.seed, UtcNs()});
+  }
+
+  void Round() {
+    const auto bytes = link_->Receive(kRound);
+    const std::lock_guard lock(mutex_);
+    const std::int64_t now_ns = UtcNs();
+    const bool is_link_off = now_ns < link_off_until_ns_;
+    for (const mavlink::Frame& frame : parser_.Feed(bytes)) {
+      if (!is_link_off) flight_->Receive(frame, now_ns);
+    }
+    flight_->Advance(now_ns);
+    for (const auto& packet : flight_->TakePackets()) {
+      if (!is_link_off) link_->Send(packet);
+    }
+    if (now_ns >= next_track_ns_) {
+      next_track_ns_ = now_ns + kTrackPeriod_ns;
+      track_ << flight_->TrackLine() << '\n';
+    }
+    if (now_ns >= next_truth_ns_) {
+      next_truth_ns_ = now_ns + kTruthPeriod_ns;
+      WriteTruth(false);
+      TellContacts();
+    }
+  }
+
+  nlohmann::json TruthJson(bool is_finished) const {
+    nlohmann::json json = flight_->recorder().ToJson();
+    json["format"] = "soffit-sim-truth/1";
+    json["world"] = world_.name;
+    json["seed"] = options_.seed;
+    json["autopilot"] = options_.autopilot;
+    json["finished"] = is_finished;
+    json["state"] = flight_->State();
+    json["truth"] = ToJson(truth_);
+    json["track"] = "track.csv";
+    return json;
+  }
+
+  void WriteTruth(bool is_finished) {
+    track_.flush();
+    WriteWhole(std::filesystem::path(options_.out_folder) / "truth.json",
+               TruthJson(is_finished).dump(1) + "\n");
+  }
+
+  void TellContacts() {
+    for (; told_contacts_ < flight_->recorder().contacts().size(); ++told_contacts_) {
+      const Contact& contact = flight_->recorder().contacts()[told_contacts_];
+      spdlog::error("contact with '{}' at ({:.2f}, {:.2f}, {:.2f})", contact.with, contact.position_m.x(),
+                    contact.position_m.y(), contact.position_m.z());
+    }
+  }
+
+  Status Disturb(const std::string& words) {
+    const std::lock_guard lock(mutex_);
+    const Status status = TryToDisturb(words);
+    if (status.ok()) spdlog::warn("disturbance: {}", words);
+    return status;
+  }
+
+  Status TryToDisturb(const std::string& words) {
+    std::istringstream stream(words);
+    std::string what;
+    stream >> what;
+    if (std::string off; what == "link" && stream >> off && off == "off") {
+      double seconds = 0.0;
+      if (!(stream >> seconds) || !(seconds >= 0.0 && seconds < 1e6))
+        return InvalidInput("write: link off SECONDS");
+      link_off_until_ns_ = UtcNs() + static_cast<std::int64_t>(seconds * 1e9);
+      return OkStatus();
+    }
+    if (what == "camera") {
+      double broken_ratio = 0.0;
+      double late_ratio = 0.0;
+      if (!(stream >> broken_ratio >> late_ratio))
+        return InvalidInput("write: camera BROKEN_RATIO LATE_RATIO");
+      cameras_.SetFaults(broken_ratio, late_ratio);
+      return OkStatus();
+    }
+    return flight_->Disturb(words);
+  }
+
+  const RunOptions& options_;
+  const World& world_;
+  const Truth& truth_;
+  std::unique_ptr<mavlink::Link> link_;
+  mavlink::FrameParser parser_;
+  Space space_;
+  Renderer renderer_;
+  std::mutex mutex_;  ///< Of the flight and of what follows.
+  std::unique_ptr<Flight> flight_;
+  CameraServer cameras_;
+  std::ofstream track_;
+  std::int64_t link_off_until_ns_ = 0;
+  std::int64_t next_track_ns_ = 0;
+  std::int64_t next_truth_ns_ = 0;
+  std::size_t told_contacts_ = 0;
+  ControlServer control_;
+};
+
+}  // namespace
+
+Status Run(const RunOptions& options) {
+  std::signal(SIGINT, [](int) { stop_requested = 1; });
+  std::signal(SIGTERM, [](int) { stop_requested = 1; });
+  const auto world = LoadWorld(options.world_file);
+  if (!world.ok()) return world.error();
+  auto link = mavlink::OpenLink(options.mavlink_url);
+  if (!link.ok()) return link.error();
+  std::error_code problem;
+  std::filesystem::create_directories(options.out_folder, problem);
+  if (problem) return InvalidInput("folder '" + options.out_folder + "': " + problem.message());
+  const Truth truth = FindTruth(world.value());
+  spdlog::info("{}: {} ({})", world.value().name, ToString(truth.expected), truth.reason);
+  try {
+    Session(options, world.value(), truth, std::move(link).value()).Go();
+    return OkStatus();
+  } catch (const std::runtime_error& failure) {
+    return Error{Error::Code::kUnavailable, failure.what()};
+  }
+}
+
+}  // namespace soffit::sim

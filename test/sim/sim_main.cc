@@ -1,0 +1,57 @@
+/// soffit-sim: a world, pictures of it, a vehicle in it and its autopilot, for trying and judging everything
+/// else.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "test/sim/command/run.h"
+
+namespace {
+
+using soffit::Status;
+
+/// Adds `soffit-sim run`; gives what to do when it is chosen.
+std::function<Status()> AddRun(CLI::App& app, soffit::sim::RunOptions& options) {
+  CLI::App* run = app.add_subcommand("run", "Fly in a world, in real time, until SIGINT or SIGTERM");
+  run->add_option("WORLD", options.world_file, "World file (YAML)")->required()->check(CLI::ExistingFile);
+  run->add_option(
+         "--mavlink", options.mavlink_url,
+         "Link: udpout:HOST:PORT, udpin:HOST:PORT, tcpin:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD")
+      ->capture_default_str();
+  run->add_option("--autopilot", options.autopilot,
+                  "Simulated autopilot; none: only cameras, for an autopilot that flies elsewhere")
+      ->check(CLI::IsMember({"ardupilot", "px4", "none"}))
+      ->capture_default_str();
+  run->add_option("--camera-port", options.camera_port, "HTTP port of the cameras; 0: a free one")
+      ->check(CLI::Range(0, 65535));
+  run->add_option("--control-port", options.control_port, "HTTP port for disturbances; 0: a free one")
+      ->check(CLI::Range(0, 65535));
+  run->add_option("--out", options.out_folder, "Folder for truth.json and track.csv")->capture_default_str();
+  run->add_option("--seed", options.seed, "Of wind and noise");
+  run->add_flag("--quick-start", options.is_quick_start, "Ready after 3 s instead of after 41 s");
+  run->add_option("--broken-pictures", options.broken_picture_ratio, "Share of pictures that arrive cut off")
+      ->check(CLI::Range(0.0, 1.0));
+  run->add_option("--late-pictures", options.late_picture_ratio, "Share of pictures that arrive late")
+      ->check(CLI::Range(0.0, 1.0));
+  return [run, &options] { return run->parsed() ? soffit::sim::Run(options) : soffit::OkStatus(); };
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("soffit-sim"));
+  CLI::App app("Simulated world, vehicle and autopilot for Soffit", "soffit-sim");
+  app.require_subcommand(1);
+  soffit::sim::RunOptions run_options;
+  const std::vector<std::function<Status()>> commands = {AddRun(app, run_options)};
+  CLI11_PARSE(app, argc, argv);
+  for (const auto& command : commands) {
+    if (const Status status = command(); !status.ok()) {
+      spdlog::error("{}", status.error().message);
+      return 1;
+    }
+  }
+  return 0;
+}
