@@ -23,7 +23,8 @@ std::vector<Polygon> ReadShapes(const cv::Mat1b& bitmap, double min_area_px) {
   cv::Mat1b black;
   cv::compare(bitmap, 128.0, black, cv::CMP_LT);
   std::vector<Polygon> shapes;
-  for (const Polygon& boundary : TraceRegions(black, min_area_px)) {
+  for (const Region& region : TraceRegions(black, min_area_px)) {
+    const Polygon& boundary = region.boundary;
     Polygon shape{FitRing(boundary.outer, 1.0, kTolerance_px).ring, {}};
     if (shape.outer.empty()) continue;
     for (const Ring& hole : boundary.holes) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -7,10 +8,20 @@
 
 namespace soffit {
 
-/// The exact boundaries of the 4-connected regions of non-zero pixels, by decreasing area: staircases along the sides
-/// of pixels (pixel centres are at integer coordinates, so corners lie at halves). x right, y down; outer rings have
-/// SignedArea > 0 and holes < 0 in these coordinates. A ring may touch itself in a corner where pixels meet
-/// diagonally. Regions and holes of less than `min_area_px` are left out. Pure; O(pixels).
-std::vector<Polygon> TraceRegions(const cv::Mat1b& bitmap, double min_area_px);
+/// 4-connected pixels that have the same label.
+struct Region {
+  std::uint8_t label = 0;
+  Polygon boundary;  ///< Exact: a staircase along the sides of pixels.
+};
+
+/// The regions of all labels but 0, by decreasing area. Pixel centres are at integer coordinates, so corners
+/// lie at halves. x right, y down; outer rings have SignedArea > 0 and holes < 0 in these coordinates. A ring
+/// may touch itself in a corner where pixels meet diagonally. Regions and holes of less than `min_area_px`
+/// are left out.
+///
+/// Runs of equal labels are joined row by row (L. He, Y. Chao and K. Suzuki, "A run-based two-scan labeling
+/// algorithm", IEEE TIP 17(5), 2008), so that the cost beyond reading the labels is that of the boundaries.
+/// Pure.
+std::vector<Region> TraceRegions(const cv::Mat1b& labels, double min_area_px);
 
 }  // namespace soffit

@@ -166,8 +166,8 @@ TEST(TraceRegions, FollowsTheSidesOfPixels) {
   bitmap(1, 2) = 1;
   const auto regions = TraceRegions(bitmap, 0.0);
   ASSERT_THAT(regions, SizeIs(1));
-  EXPECT_DOUBLE_EQ(SignedArea(regions[0].outer), 1.0);
-  EXPECT_LT((Centroid(regions[0]) - Eigen::Vector2d(2, 1)).norm(), 1e-12);
+  EXPECT_DOUBLE_EQ(SignedArea(regions[0].boundary.outer), 1.0);
+  EXPECT_LT((Centroid(regions[0].boundary) - Eigen::Vector2d(2, 1)).norm(), 1e-12);
 }
 
 TEST(TraceRegions, KeepsDiagonalNeighboursApart) {
@@ -181,8 +181,39 @@ TEST(TraceRegions, HasTheAreaOfItsPixels) {
   cv::Mat1b bitmap(64, 64);
   random.fill(bitmap, cv::RNG::UNIFORM, 0, 2);
   double area = 0.0;
-  for (const Polygon& region : TraceRegions(bitmap, 0.0)) area += Area(region);
+  for (const Region& region : TraceRegions(bitmap, 0.0)) area += Area(region.boundary);
   EXPECT_DOUBLE_EQ(area, cv::countNonZero(bitmap));
+}
+
+TEST(TraceRegions, TellsTouchingLabelsApart) {
+  cv::Mat1b labels(6, 8, uchar{2});
+  labels.colRange(3, 8) = 1;
+  labels(2, 5) = 2;
+  const auto regions = TraceRegions(labels, 0.0);
+  ASSERT_THAT(regions, SizeIs(3));
+  EXPECT_EQ(regions[0].label, 1);
+  EXPECT_DOUBLE_EQ(Area(regions[0].boundary), 29.0);
+  EXPECT_THAT(regions[0].boundary.holes, SizeIs(1));
+  EXPECT_EQ(regions[1].label, 2);
+  EXPECT_DOUBLE_EQ(Area(regions[1].boundary), 18.0);
+  EXPECT_EQ(regions[2].label, 2);
+}
+
+TEST(TraceRegions, GivesHolesToTheRegionAroundThem) {
+  cv::Mat1b labels(20, 40, uchar{1});
+  labels.col(20) = 0;
+  labels(cv::Rect(3, 3, 6, 2)) = 0;    // An arch: its feet end later than the hole between them.
+  labels(cv::Rect(3, 3, 2, 10)) = 0;
+  labels(cv::Rect(6, 6, 1, 2)) = 0;
+  labels(cv::Rect(25, 8, 10, 10)) = 0;
+  labels(cv::Rect(28, 11, 4, 4)) = 1;  // A region in the hole of another.
+  const auto regions = TraceRegions(labels, 0.0);
+  ASSERT_THAT(regions, SizeIs(3));
+  EXPECT_THAT(regions[0].boundary.holes, SizeIs(2));
+  EXPECT_DOUBLE_EQ(Area(regions[0].boundary), 400.0 - 28.0 - 2.0);
+  EXPECT_THAT(regions[1].boundary.holes, SizeIs(1));
+  EXPECT_DOUBLE_EQ(Area(regions[1].boundary), 380.0 - 100.0);
+  EXPECT_DOUBLE_EQ(Area(regions[2].boundary), 16.0);
 }
 
 TEST(FitRing, GivesNothingForDegenerateBoundaries) {
