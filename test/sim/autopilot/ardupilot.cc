@@ -128,7 +128,10 @@ class ArduPilot : public Autopilot {
     const bool is_frame_known =
         m.coordinate_frame == kFrameLocalNed || m.coordinate_frame == kFrameLocalOffsetNed ||
         m.coordinate_frame == kFrameBodyNed || m.coordinate_frame == kFrameBodyOffsetNed;
-    const bool is_finite = std::isfinite(m.x + m.y + m.z) || !has_position;
+    const bool has_yaw = (m.type_mask & kIgnoreYaw) == 0;
+    const bool is_finite = (!has_position || std::isfinite(m.x + m.y + m.z)) &&
+                           (!has_velocity || std::isfinite(m.vx + m.vy + m.vz)) &&
+                           (!has_yaw || std::isfinite(m.yaw));
     if (!is_frame_known || !is_finite || has_acceleration || (!has_position && !has_velocity)) return Hold();
     if (is_landed_ && guided_ != Guided::kTakeoff) return;  // Only a takeoff leaves the ground.
 
@@ -146,7 +149,7 @@ class ArduPilot : public Autopilot {
     }
     velocity_mps_.setZero();
     if (has_velocity) velocity_mps_ = from_nose * NedFrame::SwapVector(Eigen::Vector3d(m.vx, m.vy, m.vz));
-    if ((m.type_mask & kIgnoreYaw) == 0) {
+    if (has_yaw) {
       yaw_rad_ = is_body ? WrapAngle(yaw_rad - static_cast<double>(m.yaw))
                          : NedFrame::SwapYaw(static_cast<double>(m.yaw));
     } else if (has_position) {
