@@ -27,6 +27,7 @@ constexpr std::array<HueRange, 7> kHueRanges = {{{"red", 340.0, 18.0},
                                                  {"magenta", 262.0, 340.0}}};
 
 constexpr int kHues = 256;  // HSV_FULL
+constexpr std::size_t kMinTintedSaturation = 25;  ///< Of 255; below, hues are noise.
 constexpr double kMinModeDistance = 0.18;
 constexpr double kMaxSaturationThreshold = 0.60;
 
@@ -54,13 +55,58 @@ std::array<std::uint8_t, kHues> ClassOfHue(const std::vector<std::string>& color
   return table;
 }
 
-cv::Mat3b CorrectGamma(const cv::Mat3b& picture, double gamma) {
-  if (gamma == 1.0) return picture;
+cv::Mat1b GammaTable(double gamma) {
   cv::Mat1b table(1, 256);
   for (int i = 0; i < 256; ++i) table(i) = cv::saturate_cast<uchar>(255.0 * std::pow(i / 255.0, 1.0 / gamma));
-  cv::Mat3b corrected;
-  cv::LUT(picture, table, corrected);
-  return corrected;
+  return table;
+}
+
+/// By saturation, the sum of the values of pixels: dark ones tell less.
+using Histogram = std::array<std::uint64_t, 256>;
+
+/// All but the last step of the segmentation.
+struct Classified {
+  cv::Mat1b label;       ///< By hue and value alone.
+  cv::Mat1b saturation;
+  std::vector<Histogram> histograms;  ///< By label.
+};
+
+/// Filters, converts and classifies a few rows at a time, which then stay in the cache.
+Classified Classify(const cv::Mat3b& bgr, const MaskOptions& options) {
+  constexpr int kBandRows = 32;
+  const std::array<std::uint8_t, kHues> class_of_hue = ClassOfHue(options.colors);
+  const cv::Mat1b gamma_table = GammaTable(options.gamma);
+  const int min_value = static_cast<int>(std::lround(255.0 * options.min_value));
+  Classified result{cv::Mat1b(bgr.size()), cv::Mat1b(bgr.size()), std::vector<Histogram>(options.colors.size() + 1)};
+  for (int first = 0; first < bgr.rows; first += kBandRows) {
+    cv::Mat3b hsv = FilterMedian(bgr, cv::Range(first, std::min(first + kBandRows, bgr.rows)), options.median_px);
+    if (options.gamma != 1.0) cv::LUT(hsv, gamma_table, hsv);
+    cv::cvtColor(hsv, hsv, cv::COLOR_BGR2HSV_FULL);
+    for (int row = 0; row < hsv.rows; ++row) {
+      const cv::Vec3b* pixels = hsv[row];
+      std::uint8_t* labels = result.label[first + row];
+      std::uint8_t* saturations = result.saturation[first + row];
+      for (int col = 0; col < hsv.cols; ++col) {
+        const auto [hue, saturation, value] = pixels[col].val;
+        const std::uint8_t label = value < min_value ? std::uint8_t{0} : class_of_hue[hue];
+        labels[col] = label;
+        saturations[col] = saturation;
+        result.histograms[label][saturation] += value;
+      }
+    }
+  }
+  return result;
+}
+
+/// Labels less saturated than `thresholds` of their class are taken back.
+void DropPale(const cv::Mat1b& saturation, const std::vector<int>& thresholds, cv::Mat1b& label) {
+  for (int row = 0; row < label.rows; ++row) {
+    std::uint8_t* labels = label[row];
+    const std::uint8_t* saturations = saturation[row];
+    for (int col = 0; col < label.cols; ++col) {
+      if (saturations[col] < thresholds[labels[col]]) labels[col] = 0;
+    }
+  }
 }
 
 struct Separation {
@@ -71,12 +117,13 @@ struct Separation {
 /// Where to part the saturations of one hue class: ground and sky below, painted buildings above (N. Otsu, "A threshold
 /// selection method from gray-level histograms", IEEE SMC 9(1), 1979). Modes on one side of `fallback` (lit roof and
 /// shaded wall, or grass and sand) are not parted.
-Separation PartSaturations(const std::array<double, 256>& histogram, double fallback) {
+Separation PartSaturations(const Histogram& histogram, double fallback) {
   double count = 0.0;
   double sum = 0.0;
-  for (std::size_t i = 0; i < histogram.size(); ++i) {
-    count += histogram[i];
-    sum += histogram[i] * static_cast<double>(i);
+  for (std::size_t i = kMinTintedSaturation; i < histogram.size(); ++i) {
+    const auto weight = static_cast<double>(histogram[i]);
+    count += weight;
+    sum += weight * static_cast<double>(i);
   }
   if (count <= 0.0) return {fallback, 1.0};
   double best = -1.0;
@@ -84,9 +131,10 @@ Separation PartSaturations(const std::array<double, 256>& histogram, double fall
   double high_mean = 0.0;
   double low_count = 0.0;
   double low_sum = 0.0;
-  for (std::size_t i = 0; i + 1 < histogram.size(); ++i) {
-    low_count += histogram[i];
-    low_sum += histogram[i] * static_cast<double>(i);
+  for (std::size_t i = kMinTintedSaturation; i + 1 < histogram.size(); ++i) {
+    const auto weight = static_cast<double>(histogram[i]);
+    low_count += weight;
+    low_sum += weight * static_cast<double>(i);
     const double high_count = count - low_count;
     if (low_count <= 0.0 || high_count <= 0.0) continue;
     const double low = low_sum / low_count;
@@ -113,41 +161,18 @@ Mask SegmentBuildings(const Image& image, const MaskOptions& options) {
   SOFFIT_EXPECT(IsValidOptions(options));
   SOFFIT_EXPECT(options.median_px % 2 == 1);
   SOFFIT_EXPECT(!image.bgr.empty());
-  const std::array<std::uint8_t, kHues> class_of_hue = ClassOfHue(options.colors);
-
-  cv::Mat3b hsv = FilterMedian(image.bgr, options.median_px);
-  hsv = CorrectGamma(hsv, options.gamma);
-  cv::cvtColor(hsv, hsv, cv::COLOR_BGR2HSV_FULL);
-
+  Classified classified = Classify(image.bgr, options);
   Mask mask;
   mask.classes = options.colors;
-  mask.label = cv::Mat1b(hsv.size(), uchar{0});
-  const int min_value = static_cast<int>(std::lround(255.0 * options.min_value));
-  std::vector<std::array<double, 256>> saturations(options.colors.size() + 1);
-  for (auto& histogram : saturations) histogram.fill(0.0);
-  for (int row = 0; row < hsv.rows; ++row) {
-    for (int col = 0; col < hsv.cols; ++col) {
-      const cv::Vec3b& pixel = hsv(row, col);
-      const std::uint8_t label = class_of_hue[pixel[0]];
-      if (label == 0 || pixel[2] < min_value) continue;
-      mask.label(row, col) = label;
-      if (pixel[1] >= 25) saturations[label][pixel[1]] += pixel[2] / 255.0;  // Dark pixels tell less.
-    }
-  }
-
-  std::vector<int> threshold(options.colors.size() + 1, 256);
+  mask.label = classified.label;
   mask.confidence = 1.0;
-  for (std::size_t i = 1; i < threshold.size(); ++i) {
-    const Separation separation = PartSaturations(saturations[i], options.min_saturation);
-    threshold[i] = static_cast<int>(std::lround(255.0 * separation.threshold));
+  std::vector<int> thresholds(options.colors.size() + 1, 256);
+  for (std::size_t i = 1; i < thresholds.size(); ++i) {
+    const Separation separation = PartSaturations(classified.histograms[i], options.min_saturation);
+    thresholds[i] = static_cast<int>(std::lround(255.0 * separation.threshold));
     mask.confidence = std::min(mask.confidence, separation.confidence);
   }
-  for (int row = 0; row < hsv.rows; ++row) {
-    for (int col = 0; col < hsv.cols; ++col) {
-      std::uint8_t& label = mask.label(row, col);
-      if (hsv(row, col)[1] < threshold[label]) label = 0;
-    }
-  }
+  DropPale(classified.saturation, thresholds, mask.label);
   return mask;
 }
 

@@ -174,34 +174,40 @@ HWY_AFTER_NAMESPACE();
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 
+#include "shared/result/result.h"
+
 namespace soffit {
 HWY_EXPORT(FilterStrip);
 namespace {
 
 constexpr int kBandRows = 32;  ///< Copied with their borders at a time: the copy stays in the L2 cache.
 
-/// Filters rows `first` to `last` of `picture` into `filtered`.
-void FilterBand(const cv::Mat& picture, int first, int last, cv::Mat& filtered) {
+/// The rows that `reach` rows around `rows` are read from.
+cv::Range Widen(const cv::Range& rows, int reach, const cv::Mat& picture) {
+  return {std::max(0, rows.start - reach), std::min(picture.rows, rows.end + reach)};
+}
+
+/// Filters `rows` of `picture` into `filtered`, which is as high as they are.
+void FilterBand(const cv::Mat& picture, const cv::Range& rows, cv::Mat filtered) {
   constexpr int kReach = static_cast<int>(kWindow / 2);
-  const int odd_row = (last - first) % 2;
-  const cv::Range source(std::max(0, first - kReach), std::min(picture.rows, last + kReach + odd_row));
+  const int reach_below = kReach + rows.size() % 2;  // The windows go in pairs.
+  const cv::Range source = Widen(rows, kReach, picture);
   cv::Mat band;
-  cv::copyMakeBorder(picture.rowRange(source), band, source.start - (first - kReach),
-                     last + kReach + odd_row - source.end, kReach, kReach + 2 * kMaxVectorBytes,
+  cv::copyMakeBorder(picture.rowRange(source), band, source.start - (rows.start - kReach),
+                     rows.end + reach_below - source.end, kReach, kReach + 2 * kMaxVectorBytes,
                      cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
 
   const std::size_t step = picture.elemSize();
   const std::size_t row_bytes = step * static_cast<std::size_t>(picture.cols);
   std::array<std::array<std::uint8_t, kStripBytes + kMaxVectorBytes>, 2> strip;
-  for (int row = first; row < last; row += 2) {
+  for (int row = 0; row < rows.size(); row += 2) {
     for (std::size_t at = 0; at < row_bytes; at += kStripBytes) {
       TileRows tile;
-      for (std::size_t i = 0; i < tile.size(); ++i)
-        tile[i] = band.ptr(row - first + static_cast<int>(i)) + at;
+      for (std::size_t i = 0; i < tile.size(); ++i) tile[i] = band.ptr(row + static_cast<int>(i)) + at;
       const std::size_t bytes = std::min(kStripBytes, row_bytes - at);
       HWY_DYNAMIC_DISPATCH(FilterStrip)(tile, bytes, step, strip[0].data(), strip[1].data());
       std::memcpy(filtered.ptr(row) + at, strip[0].data(), bytes);
-      if (row + 1 < last) std::memcpy(filtered.ptr(row + 1) + at, strip[1].data(), bytes);
+      if (row + 1 < rows.size()) std::memcpy(filtered.ptr(row + 1) + at, strip[1].data(), bytes);
     }
   }
 }
@@ -209,15 +215,22 @@ void FilterBand(const cv::Mat& picture, int first, int last, cv::Mat& filtered) 
 }  // namespace
 
 cv::Mat FilterMedian(const cv::Mat& picture, int size_px) {
+  return FilterMedian(picture, cv::Range(0, picture.rows), size_px);
+}
+
+cv::Mat FilterMedian(const cv::Mat& picture, const cv::Range& rows, int size_px) {
+  SOFFIT_EXPECT(rows.start >= 0 && rows.start <= rows.end && rows.end <= picture.rows);
   const bool has_network = picture.type() == CV_8UC1 || picture.type() == CV_8UC3;
   cv::Mat filtered;
-  if (picture.empty() || !has_network || size_px != static_cast<int>(kWindow)) {
-    cv::medianBlur(picture, filtered, size_px);
-    return filtered;
+  if (rows.empty() || !has_network || size_px != static_cast<int>(kWindow)) {
+    const cv::Range source = Widen(rows, size_px / 2, picture);
+    cv::medianBlur(picture.rowRange(source), filtered, size_px);
+    return filtered.rowRange(rows.start - source.start, rows.end - source.start);
   }
-  filtered.create(picture.size(), picture.type());
-  for (int row = 0; row < picture.rows; row += kBandRows) {
-    FilterBand(picture, row, std::min(row + kBandRows, picture.rows), filtered);
+  filtered.create(rows.size(), picture.cols, picture.type());
+  for (int first = rows.start; first < rows.end; first += kBandRows) {
+    const cv::Range band(first, std::min(first + kBandRows, rows.end));
+    FilterBand(picture, band, filtered.rowRange(band.start - rows.start, band.end - rows.start));
   }
   return filtered;
 }

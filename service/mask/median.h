@@ -15,7 +15,10 @@ namespace soffit {
 /// and their applications", AFIPS 1968. The best instructions of the processor are chosen at run time.
 /// Everything else is left to OpenCV.
 ///
-/// Throws cv::Exception when the picture is empty, or `size_px` is even or not positive. Pure; O(pixels).
+/// Throws cv::Exception when there are no pixels, or `size_px` is even or not positive. Pure; O(pixels).
 cv::Mat FilterMedian(const cv::Mat& picture, int size_px);
+
+/// Rows `rows` of that alone. They have to lie within the picture, else ContractViolation.
+cv::Mat FilterMedian(const cv::Mat& picture, const cv::Range& rows, int size_px);
 
 }  // namespace soffit

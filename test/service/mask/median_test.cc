@@ -5,6 +5,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "shared/result/result.h"
+
 namespace soffit {
 namespace {
 
@@ -92,6 +94,25 @@ TEST(FilterMedian, DoesNotLookOutsideARegionOfInterest) {
   ASSERT_FALSE(region.isContinuous());
   ExpectEqualsOpenCv(region);
   EXPECT_EQ(cv::norm(FilterMedian(region, 7), FilterMedian(region.clone(), 7), cv::NORM_INF), 0.0);
+}
+
+TEST(FilterMedian, FiltersSomeRowsAsItFiltersAll) {
+  const cv::Mat picture = Noise({70, 100}, CV_8UC3, 5);
+  for (const int size_px : {1, 5, 7, 9}) {
+    const cv::Mat all = FilterMedian(picture, size_px);
+    for (const cv::Range rows : {cv::Range(0, 1), {0, 33}, {2, 35}, {31, 98}, {97, 100}, {0, 100}}) {
+      const cv::Mat some = FilterMedian(picture, rows, size_px);
+      ASSERT_EQ(some.size(), cv::Size(70, rows.size()));
+      EXPECT_EQ(cv::norm(some, all.rowRange(rows), cv::NORM_INF), 0.0) << rows.start << " to " << rows.end;
+    }
+  }
+}
+
+TEST(FilterMedian, RefusesRowsOutsideThePicture) {
+  const cv::Mat picture = Noise({9, 9}, CV_8UC3, 5);
+  EXPECT_THROW(FilterMedian(picture, cv::Range(-1, 3), 7), ContractViolation);
+  EXPECT_THROW(FilterMedian(picture, cv::Range(3, 10), 7), ContractViolation);
+  EXPECT_THROW(FilterMedian(picture, cv::Range::all(), 7), ContractViolation);
 }
 
 TEST(FilterMedian, LeavesItsInputAlone) {
