@@ -91,9 +91,9 @@ class YamlWriter {
     if constexpr (IsVector<T>::value) {
       std::string list;
       for (const auto& element : value) list += (list.empty() ? "" : ", ") + Format(element);
-      WriteLine(name, "[" + list + "]", info);
+      WriteLine(name, "[" + list + "]", HasBounds<typename T::value_type>() ? info : WithoutBounds(info));
     } else {
-      WriteLine(name, Format(value), info);
+      WriteLine(name, Format(value), HasBounds<T>() ? info : WithoutBounds(info));
     }
   }
 
@@ -117,6 +117,15 @@ class YamlWriter {
   const std::string& text() const { return text_; }
 
  private:
+  template <class T>
+  static constexpr bool HasBounds() {
+    return std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
+  }
+  static OptionInfo WithoutBounds(OptionInfo info) {
+    info.low = -std::numeric_limits<double>::infinity();
+    info.high = std::numeric_limits<double>::infinity();
+    return info;
+  }
   static std::string Format(double value);
   static std::string Format(int value);
   static std::string Format(bool value);

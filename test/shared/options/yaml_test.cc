@@ -139,6 +139,19 @@ TEST(DescribeOptions, WritesWhatReadOptionsTakes) {
   EXPECT_EQ(again.value().corners[1].east_m, -3.5);
 }
 
+struct Plain {
+  bool flag = true;
+
+  template <class Self, class Visitor>
+  static void Visit(Self& self, Visitor&& field) {
+    field("flag", self.flag, OptionInfo{0, 0, "", "Help"});
+  }
+};
+
+TEST(DescribeOptions, NamesNoBoundsWhereThereAreNone) {
+  EXPECT_EQ(DescribeOptions(Plain{}), "flag: true  # Help\n");
+}
+
 TEST(FindOptionProblem, LooksIntoVectorsAndNestedStructs) {
   Sample sample;
   EXPECT_THAT(FindOptionProblem(sample), IsEmpty());

@@ -1,0 +1,332 @@
+#include "vehicle_agent/autopilot/autopilot_client.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "test/support/fake_autopilot.h"
+
+namespace soffit {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// Client and autopilot with a perfect link between them.
+class Talk {
+ public:
+  explicit Talk(mavlink::Autopilot make = mavlink::kAutopilotArduPilot, AutopilotOptions options = {})
+      : autopilot(make), client(options) {}
+
+  void Run(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds * 50.0); ++i) {
+      now.steady_ns += 20'000'000;
+      now.utc_ns += 20'000'000;
+      for (const auto& bytes : autopilot.Live(20)) {
+        for (const auto& frame : down_.Feed(bytes)) client.Receive(frame, now);
+      }
+      for (const auto& bytes : client.Pursue(intent, now)) {
+        for (const auto& frame : up_.Feed(bytes)) autopilot.Receive(frame);
+      }
+      for (std::string& note : client.TakeNotes()) notes.push_back(std::move(note));
+    }
+  }
+  Telemetry Report() const { return client.Report(now); }
+
+  void TakeOff(double height_m) {
+    intent.kind = Intent::Kind::kTakeOff;
+    intent.position_in_map_m = {0.0, 0.0, height_m};
+    Run(15.0);
+  }
+  void FlyTo(const Eigen::Vector3d& in_map_m, double yaw_rad) {
+    intent.kind = Intent::Kind::kFlyTo;
+    intent.position_in_map_m = in_map_m;
+    intent.yaw_rad = yaw_rad;
+    Run(10.0);
+  }
+  int CountCommands(std::uint16_t command) const {
+    int count = 0;
+    for (const auto& it : autopilot.commands) count += it.command == command;
+    return count;
+  }
+
+  Instant now{1'000'000'000, 1'700'000'000'000'000'000};
+  FakeAutopilot autopilot;
+  AutopilotClient client;
+  Intent intent;
+  std::vector<std::string> notes;
+
+ private:
+  mavlink::FrameParser up_;
+  mavlink::FrameParser down_;
+};
+
+TEST(AutopilotClient, KnowsNothingBeforeAnythingIsHeard) {
+  Talk talk;
+  talk.autopilot.is_silent = true;
+  talk.Run(5.0);
+  EXPECT_FALSE(talk.Report().is_connected);
+  EXPECT_EQ(talk.Report().not_ready, "no autopilot was heard");
+  EXPECT_THAT(talk.autopilot.commands, IsEmpty());
+}
+
+TEST(AutopilotClient, AsksASilentAutopilotForWhatItNeeds) {
+  Talk talk;
+  talk.Run(4.0);
+  const Telemetry telemetry = talk.Report();
+  EXPECT_TRUE(telemetry.is_connected);
+  EXPECT_EQ(telemetry.autopilot, "ArduPilot");
+  EXPECT_EQ(telemetry.mode, "STABILIZE");
+  EXPECT_THAT(telemetry.not_ready, IsEmpty());
+  EXPECT_TRUE(telemetry.has_position);
+  EXPECT_NEAR(telemetry.battery_ratio, 0.77, 1e-9);
+  ASSERT_TRUE(telemetry.origin.has_value());
+  EXPECT_NEAR(telemetry.origin->latitude_deg, 50.0, 1e-9);
+  EXPECT_TRUE(talk.client.TrustsPoses(talk.now));
+}
+
+TEST(AutopilotClient, SendsNoFlightCommandWithoutAnIntent) {
+  Talk talk;
+  talk.Run(5.0);
+  for (const auto& command : talk.autopilot.commands) {
+    EXPECT_TRUE(command.command == mavlink::kCmdSetMessageInterval || command.command == mavlink::kCmdRequestMessage);
+  }
+  EXPECT_THAT(talk.autopilot.setpoints, IsEmpty());
+}
+
+TEST(AutopilotClient, DoesNotAskAgainForWhatComes) {
+  Talk talk;
+  talk.Run(5.0);
+  const std::size_t asked = talk.autopilot.commands.size();
+  talk.Run(20.0);
+  EXPECT_EQ(talk.autopilot.commands.size(), asked);
+}
+
+TEST(AutopilotClient, AsksAgainAfterAReboot) {
+  Talk talk;
+  talk.Run(5.0);
+  talk.autopilot.Reboot();
+  talk.Run(5.0);
+  EXPECT_TRUE(talk.Report().has_position);
+  EXPECT_THAT(talk.notes, Contains(HasSubstr("restarted")));
+  EXPECT_TRUE(talk.client.TrustsPoses(talk.now));
+}
+
+TEST(AutopilotClient, SaysWhatItWaitsFor) {
+  Talk talk;
+  talk.autopilot.is_ready = false;
+  talk.Run(4.0);
+  EXPECT_THAT(talk.Report().not_ready, HasSubstr("no 3D fix"));
+  EXPECT_FALSE(talk.Report().has_position);
+  talk.autopilot.is_ready = true;
+  talk.Run(5.0);
+  EXPECT_THAT(talk.Report().not_ready, IsEmpty());
+}
+
+TEST(AutopilotClient, NoticesThatTheAutopilotIsSilent) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.autopilot.is_silent = true;
+  talk.Run(4.0);
+  EXPECT_FALSE(talk.Report().is_connected);
+  EXPECT_EQ(talk.Report().not_ready, "the autopilot is silent");
+}
+
+TEST(AutopilotClient, ArmsInTheRightOrderAndWaitsForTheHeight) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(9.0);
+  EXPECT_TRUE(talk.Report().is_armed);
+  EXPECT_TRUE(talk.Report().is_in_our_mode);
+  EXPECT_NEAR(talk.Report().position_in_map_m.z(), 9.0, 0.3);
+  EXPECT_THAT(talk.autopilot.setpoints, IsEmpty());
+  std::vector<std::uint16_t> order;
+  for (const auto& command : talk.autopilot.commands) {
+    const bool is_stream = command.command == mavlink::kCmdSetMessageInterval || command.command == mavlink::kCmdRequestMessage;
+    if (!is_stream && (order.empty() || order.back() != command.command)) order.push_back(command.command);
+  }
+  EXPECT_EQ(order, (std::vector<std::uint16_t>{mavlink::kCmdDoSetMode, mavlink::kCmdComponentArmDisarm, mavlink::kCmdNavTakeoff}));
+}
+
+TEST(AutopilotClient, TellsWhyTheAutopilotDoesNotArm) {
+  Talk talk;
+  talk.autopilot.arming_complaint = "Arm: Compass not calibrated";
+  talk.Run(4.0);
+  talk.TakeOff(9.0);
+  EXPECT_THAT(talk.Report().intent_problem, IsEmpty());  // It may still do it.
+  talk.TakeOff(9.0);
+  talk.Run(5.0);
+  EXPECT_THAT(talk.Report().intent_problem, HasSubstr("does not arm (failed): Arm: Compass not calibrated"));
+}
+
+TEST(AutopilotClient, FliesToPointsOfTheMap) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(5.0);
+  talk.FlyTo({3.0, 1.0, 4.0}, 0.5 * std::numbers::pi);
+  EXPECT_NEAR(talk.autopilot.position_ned_m.x(), 1.0, 0.1);   // North.
+  EXPECT_NEAR(talk.autopilot.position_ned_m.y(), 3.0, 0.1);   // East.
+  EXPECT_NEAR(talk.autopilot.position_ned_m.z(), -4.0, 0.1);  // Down.
+  EXPECT_NEAR(talk.autopilot.yaw_ned_rad, 0.0, 1e-6);         // Facing north.
+  EXPECT_NEAR(talk.Report().yaw_rad, 0.5 * std::numbers::pi, 1e-3);
+  ASSERT_FALSE(talk.autopilot.setpoints.empty());
+  EXPECT_EQ(talk.autopilot.setpoints.back().type_mask, 0x9f8);
+  EXPECT_EQ(talk.autopilot.setpoints.back().coordinate_frame, 1);
+}
+
+TEST(AutopilotClient, StreamsSetpointsAtTheConfiguredRate) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(5.0);
+  talk.intent.kind = Intent::Kind::kFlyTo;
+  talk.Run(10.0);
+  EXPECT_NEAR(static_cast<double>(talk.autopilot.setpoints.size()), 100.0, 3.0);
+}
+
+TEST(AutopilotClient, PutsTheMapsOriginAtHomeWhereverTheLocalFrameBegins) {
+  Talk talk;
+  talk.autopilot.origin_latitude_e7 -= 1000;  // The local frame begins 11.1 m south of home.
+  talk.autopilot.position_ned_m.x() = 11.124;
+  talk.Run(4.0);
+  EXPECT_LT(talk.Report().position_in_map_m.norm(), 0.02);
+  talk.TakeOff(5.0);
+  talk.FlyTo({2.0, 0.0, 5.0}, 0.0);
+  EXPECT_NEAR(talk.autopilot.position_ned_m.x(), 11.124, 0.1);
+  EXPECT_NEAR(talk.autopilot.position_ned_m.y(), 2.0, 0.1);
+}
+
+TEST(AutopilotClient, DoesNotMoveTheMapWhenHomeIsSetAnew) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.autopilot.home_latitude_e7 += 10000;
+  talk.autopilot.Reboot();
+  talk.Run(5.0);
+  EXPECT_LT(talk.Report().position_in_map_m.norm(), 0.02);
+}
+
+TEST(AutopilotClient, LandsAndLeavesTheLandModeSoThatItCanArmAgain) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(3.0);
+  talk.intent.kind = Intent::Kind::kLand;
+  talk.Run(2.0);
+  EXPECT_EQ(talk.Report().mode, "LAND");
+  EXPECT_TRUE(talk.Report().is_in_our_mode);
+  talk.Run(6.0);
+  EXPECT_FALSE(talk.Report().is_armed);
+  talk.intent.kind = Intent::Kind::kNone;
+  talk.Run(3.0);
+  EXPECT_EQ(talk.Report().mode, "GUIDED");
+  talk.TakeOff(3.0);
+  EXPECT_NEAR(talk.Report().position_in_map_m.z(), 3.0, 0.3);
+}
+
+TEST(AutopilotClient, SeesThatAnotherLandingIsNotItsOwn) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(3.0);
+  talk.autopilot.mode = mavlink::kCopterLand;
+  talk.autopilot.system_status = mavlink::kStateCritical;
+  talk.intent = {};
+  talk.Run(1.5);
+  EXPECT_FALSE(talk.Report().is_in_our_mode);
+  EXPECT_TRUE(talk.Report().is_in_failsafe);
+}
+
+TEST(AutopilotClient, SendsNothingIntoAModeOfThePilots) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(3.0);
+  talk.autopilot.mode = mavlink::kCopterLoiter;
+  talk.intent.kind = Intent::Kind::kFlyTo;
+  talk.Run(1.5);  // Until the heartbeat tells it.
+  talk.autopilot.setpoints.clear();
+  const int mode_commands = talk.CountCommands(mavlink::kCmdDoSetMode);
+  talk.Run(5.0);
+  EXPECT_THAT(talk.autopilot.setpoints, IsEmpty());
+  EXPECT_EQ(talk.CountCommands(mavlink::kCmdDoSetMode), mode_commands);
+}
+
+TEST(AutopilotClient, AimsTheGimbal) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(3.0);
+  talk.intent.kind = Intent::Kind::kFlyTo;
+  talk.intent.camera_pitch_rad = -0.5;
+  talk.Run(0.1);
+  ASSERT_EQ(talk.autopilot.gimbal_aims.size(), 1U);
+  EXPECT_NEAR(talk.autopilot.gimbal_aims[0].pitch, -0.5, 1e-6);
+}
+
+TEST(AutopilotClient, LeavesOtherSystemsAlone) {
+  Talk talk;
+  talk.Run(4.0);
+  mavlink::Encoder ground(255, 190);
+  mavlink::Encoder other(2, 1);
+  mavlink::FrameParser parser;
+  mavlink::Heartbeat heartbeat;
+  heartbeat.type = mavlink::kTypeGcs;
+  heartbeat.autopilot = mavlink::kAutopilotInvalid;
+  for (const auto& frame : parser.Feed(ground.Encode(heartbeat))) talk.client.Receive(frame, talk.now);
+  heartbeat.type = mavlink::kTypeQuadrotor;
+  heartbeat.autopilot = mavlink::kAutopilotPx4;
+  for (const auto& frame : parser.Feed(other.Encode(heartbeat))) talk.client.Receive(frame, talk.now);
+  EXPECT_EQ(talk.Report().autopilot, "ArduPilot");
+}
+
+TEST(AutopilotClient, DoesNotTrustPosesWithoutATimeBase) {
+  Talk talk;
+  talk.autopilot.answers_timesync = false;
+  talk.Run(5.0);
+  EXPECT_FALSE(talk.client.TrustsPoses(talk.now));
+  EXPECT_TRUE(talk.Report().has_position);
+}
+
+TEST(AutopilotClient, InterpolatesThePoseOfAMoment) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(5.0);
+  talk.intent.kind = Intent::Kind::kFlyTo;
+  talk.intent.position_in_map_m = {50.0, 0.0, 5.0};
+  talk.Run(3.0);
+  const std::int64_t moment_ns = talk.now.utc_ns;
+  const double x_m = talk.autopilot.position_ned_m.y();
+  talk.Run(1.0);
+  const auto pose = talk.client.poses().FindBody(moment_ns);
+  ASSERT_TRUE(pose.has_value());
+  EXPECT_NEAR(pose->translation_m.x(), x_m, 0.07);  // 20 ms at 3 m/s.
+  EXPECT_FALSE(talk.client.poses().FindBody(talk.now.utc_ns + 1'000'000'000).has_value());
+}
+
+TEST(AutopilotClient, FliesPx4InOffboardWithSetpointsBeforeAndDuringIt) {
+  Talk talk(mavlink::kAutopilotPx4);
+  talk.Run(4.0);
+  EXPECT_EQ(talk.Report().autopilot, "PX4");
+  EXPECT_THAT(talk.Report().not_ready, IsEmpty());
+  talk.TakeOff(4.0);
+  EXPECT_EQ(talk.Report().mode, "OFFBOARD");
+  EXPECT_NEAR(talk.Report().position_in_map_m.z(), 4.0, 0.3);
+  EXPECT_EQ(talk.CountCommands(mavlink::kCmdNavTakeoff), 0);
+  EXPECT_GT(talk.autopilot.setpoints.size(), 100U);
+  talk.intent.kind = Intent::Kind::kLand;
+  talk.Run(10.0);
+  EXPECT_EQ(talk.Report().mode, "AUTO.LAND");
+  EXPECT_FALSE(talk.Report().is_armed);
+}
+
+TEST(MapFromBody, TurnsMavlinksAttitudeIntoTheMaps) {
+  const auto turned = [](double yaw_ned_rad) {
+    return MapFromBody(Eigen::Quaterniond(Eigen::AngleAxisd(yaw_ned_rad, Eigen::Vector3d::UnitZ())));
+  };
+  EXPECT_TRUE((turned(0.0) * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitY()));  // North.
+  EXPECT_TRUE((turned(0.0) * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitZ()));  // Up stays up.
+  EXPECT_TRUE((turned(0.5 * std::numbers::pi) * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitX()));
+  const Eigen::Quaterniond nose_up =
+      MapFromBody(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())));
+  EXPECT_GT((nose_up * Eigen::Vector3d::UnitX()).z(), 0.29);
+}
+
+}  // namespace
+}  // namespace soffit

@@ -1,0 +1,230 @@
+#include "vehicle_agent/camera/camera.h"
+
+#include <gst/app/gstappsink.h>
+#include <gst/gst.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "vehicle_agent/camera/jpeg.h"
+
+namespace soffit {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr std::size_t kMaxPictureBytes = 64u << 20;
+constexpr const char* kSinkName = "soffit_picture";
+
+std::int64_t NowUtc_ns() {
+  using namespace std::chrono;
+  return duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+Error Unavailable(std::string message) { return {Error::Code::kUnavailable, std::move(message)}; }
+
+struct Unref {
+  void operator()(GstElement* element) const { gst_object_unref(element); }
+  void operator()(GstBus* bus) const { gst_object_unref(bus); }
+  void operator()(GstSample* sample) const { gst_sample_unref(sample); }
+  void operator()(GstMessage* message) const { gst_message_unref(message); }
+  void operator()(GError* error) const { g_error_free(error); }
+};
+template <class T>
+using Owned = std::unique_ptr<T, Unref>;
+
+/// A running pipeline that ends in our sink.
+class Pipeline {
+ public:
+  static Result<std::unique_ptr<Pipeline>> Make(const std::string& description, bool is_stream) {
+    if (gst_is_initialized() == FALSE) gst_init(nullptr, nullptr);
+    const std::string whole = description + " ! appsink name=" + kSinkName + " sync=false" +
+                              (is_stream ? " max-buffers=1 drop=true" : "");
+    GError* raw_error = nullptr;
+    Owned<GstElement> pipeline(gst_parse_launch(whole.c_str(), &raw_error));
+    const Owned<GError> error(raw_error);
+    if (error || !pipeline) {
+      return InvalidInput("pipeline '" + description + "': " + (error ? error->message : "cannot be made"));
+    }
+    Owned<GstElement> sink(GST_IS_BIN(pipeline.get()) ? gst_bin_get_by_name(GST_BIN(pipeline.get()), kSinkName) : nullptr);
+    if (!sink) return InvalidInput("pipeline '" + description + "': cannot be ended with a sink");
+    return std::unique_ptr<Pipeline>(new Pipeline(std::move(pipeline), std::move(sink)));
+  }
+
+  ~Pipeline() { Stop(); }
+
+  void Start() { gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING); }
+  void Stop() { gst_element_set_state(pipeline_.get(), GST_STATE_NULL); }
+
+  /// Appends the next buffer to `bytes`; false when none came until the deadline, or the stream is at its end.
+  bool Pull(std::vector<std::uint8_t>& bytes, steady_clock::time_point deadline) {
+    const auto wait = std::max(deadline - steady_clock::now(), steady_clock::duration::zero());
+    const auto wait_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(wait).count();
+    const Owned<GstSample> sample(
+        gst_app_sink_try_pull_sample(GST_APP_SINK(sink_.get()), static_cast<GstClockTime>(wait_ns)));
+    GstBuffer* buffer = sample ? gst_sample_get_buffer(sample.get()) : nullptr;
+    GstMapInfo map;
+    if (buffer == nullptr || gst_buffer_map(buffer, &map, GST_MAP_READ) == FALSE) return false;
+    bytes.insert(bytes.end(), map.data, map.data + map.size);
+    gst_buffer_unmap(buffer, &map);
+    return true;
+  }
+
+  bool IsAtEnd() const { return gst_app_sink_is_eos(GST_APP_SINK(sink_.get())) == TRUE; }
+
+  /// The first error that the pipeline told since it was asked last; empty when there is none.
+  std::string FindError() {
+    const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
+    const Owned<GstMessage> message(gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR));
+    if (!message) return {};
+    GError* raw_error = nullptr;
+    gst_message_parse_error(message.get(), &raw_error, nullptr);
+    const Owned<GError> error(raw_error);
+    return error ? error->message : "unknown error";
+  }
+
+ private:
+  Pipeline(Owned<GstElement> pipeline, Owned<GstElement> sink) : pipeline_(std::move(pipeline)), sink_(std::move(sink)) {}
+
+  Owned<GstElement> pipeline_;
+  Owned<GstElement> sink_;
+};
+
+std::string DescribeFailure(Pipeline& pipeline, const CameraOptions& options) {
+  const std::string error = pipeline.FindError();
+  if (!error.empty()) return error;
+  return "no picture within " + std::to_string(static_cast<int>(options.timeout_s * 1000.0)) + " ms";
+}
+
+/// The pipeline runs to its end for each picture: an HTTP snapshot, a file, a still camera.
+class SnapshotCamera : public Camera {
+ public:
+  SnapshotCamera(std::unique_ptr<Pipeline> pipeline, const CameraOptions& options)
+      : pipeline_(std::move(pipeline)), options_(options) {}
+
+  Result<Picture> Take() override {
+    const auto deadline = steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(
+                                                    std::chrono::duration<double>(options_.timeout_s));
+    std::vector<std::uint8_t> bytes;
+    pipeline_->Start();
+    while (bytes.size() < kMaxPictureBytes && pipeline_->Pull(bytes, deadline)) {
+    }
+    const std::int64_t arrival_utc_ns = NowUtc_ns();
+    const bool is_whole = pipeline_->IsAtEnd() && !bytes.empty();
+    const std::string failure = is_whole ? "" : DescribeFailure(*pipeline_, options_);
+    pipeline_->Stop();
+    if (!is_whole) return Unavailable(failure);
+    return MakePicture(std::move(bytes), arrival_utc_ns, options_);
+  }
+
+ private:
+  std::unique_ptr<Pipeline> pipeline_;
+  CameraOptions options_;
+};
+
+/// The pipeline runs all the time, and the first buffer after the call is the picture.
+class StreamCamera : public Camera {
+ public:
+  StreamCamera(std::unique_ptr<Pipeline> pipeline, const CameraOptions& options)
+      : pipeline_(std::move(pipeline)), options_(options) {
+    pipeline_->Start();
+  }
+
+  Result<Picture> Take() override {
+    const auto deadline = steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(
+                                                    std::chrono::duration<double>(options_.timeout_s));
+    const std::int64_t called_utc_ns = NowUtc_ns();
+    while (steady_clock::now() < deadline) {
+      std::vector<std::uint8_t> bytes;
+      if (!pipeline_->Pull(bytes, deadline)) break;
+      Result<Picture> picture = MakePicture(std::move(bytes), NowUtc_ns(), options_);
+      if (!picture.ok() || picture.value().exposure_utc_ns >= called_utc_ns) return picture;
+    }
+    const std::string failure = DescribeFailure(*pipeline_, options_);
+    pipeline_->Stop();  // A lost device comes back only to a pipeline that is started anew.
+    pipeline_->Start();
+    return Unavailable(failure);
+  }
+
+ private:
+  std::unique_ptr<Pipeline> pipeline_;
+  CameraOptions options_;
+};
+
+class FolderCamera : public Camera {
+ public:
+  FolderCamera(std::vector<std::filesystem::path> files, const CameraOptions& options)
+      : files_(std::move(files)), options_(options) {}
+
+  Result<Picture> Take() override {
+    if (next_ >= files_.size()) return Unavailable("folder '" + options_.folder + "': no picture is left");
+    const std::filesystem::path& file = files_[next_++];
+    std::ifstream stream(file, std::ios::binary);
+    std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
+    Result<Picture> picture = MakePicture(std::move(bytes), NowUtc_ns(), options_);
+    if (!picture.ok()) return Unavailable(file.string() + ": " + picture.error().message);
+    return picture;
+  }
+
+ private:
+  std::vector<std::filesystem::path> files_;
+  CameraOptions options_;
+  std::size_t next_ = 0;
+};
+
+Result<std::unique_ptr<Camera>> OpenFolder(const CameraOptions& options) {
+  std::vector<std::filesystem::path> files;
+  std::error_code problem;
+  for (const auto& entry : std::filesystem::directory_iterator(options.folder, problem)) {
+    const std::string ending = entry.path().extension().string();
+    if (ending == ".jpg" || ending == ".jpeg" || ending == ".JPG") files.push_back(entry.path());
+  }
+  if (problem) return Unavailable("folder '" + options.folder + "': " + problem.message());
+  if (files.empty()) return Unavailable("folder '" + options.folder + "': there is no JPEG picture in it");
+  std::sort(files.begin(), files.end());
+  return std::unique_ptr<Camera>(std::make_unique<FolderCamera>(std::move(files), options));
+}
+
+}  // namespace
+
+bool IsPresent(const CameraOptions& options) { return !options.pipeline.empty() || !options.folder.empty(); }
+
+Result<Intrinsics> MakeIntrinsics(const CameraOptions& options) {
+  Intrinsics intrinsics{options.width_px, options.height_px, options.fx_px, options.fy_px, options.cx_px, options.cy_px, {}};
+  if (options.distortion.size() != intrinsics.distortion.size()) {
+    return InvalidInput("distortion has " + std::to_string(options.distortion.size()) +
+                        " numbers, must have 5: k1, k2, p1, p2, k3");
+  }
+  std::copy(options.distortion.begin(), options.distortion.end(), intrinsics.distortion.begin());
+  return intrinsics;
+}
+
+Result<Picture> MakePicture(std::vector<std::uint8_t> bytes, std::int64_t arrival_utc_ns, const CameraOptions& options) {
+  const Result<JpegInfo> info = CheckJpeg(bytes);
+  if (!info.ok()) return info.error();
+  const auto& [width_px, height_px] = info.value();
+  if (width_px != options.width_px || height_px != options.height_px) {
+    return InvalidInput("the picture has " + std::to_string(width_px) + " x " + std::to_string(height_px) +
+                        " pixels, the configuration says " + std::to_string(options.width_px) + " x " +
+                        std::to_string(options.height_px));
+  }
+  const auto latency_ns = static_cast<std::int64_t>(options.latency_s * 1e9);
+  const std::int64_t exposure_utc_ns = FindExposureTime(bytes).value_or(arrival_utc_ns - latency_ns);
+  return Picture{std::move(bytes), exposure_utc_ns};
+}
+
+Result<std::unique_ptr<Camera>> OpenCamera(const CameraOptions& options) {
+  if (!options.folder.empty()) return OpenFolder(options);
+  Result<std::unique_ptr<Pipeline>> pipeline = Pipeline::Make(options.pipeline, options.is_stream);
+  if (!pipeline.ok()) return pipeline.error();
+  if (options.is_stream) {
+    return std::unique_ptr<Camera>(std::make_unique<StreamCamera>(std::move(pipeline).value(), options));
+  }
+  return std::unique_ptr<Camera>(std::make_unique<SnapshotCamera>(std::move(pipeline).value(), options));
+}
+
+}  // namespace soffit

@@ -1,0 +1,126 @@
+#include "vehicle_agent/camera/jpeg.h"
+
+#include <libexif/exif-data.h>
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <string>
+
+namespace soffit {
+namespace {
+
+constexpr std::uint8_t kStartOfImage = 0xd8;
+constexpr std::uint8_t kEndOfImage = 0xd9;
+constexpr std::uint8_t kStartOfScan = 0xda;
+
+bool IsFrameHeader(std::uint8_t marker) {
+  return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+}
+
+bool StandsAlone(std::uint8_t marker) { return marker == 0x01 || (marker >= 0xd0 && marker <= 0xd7); }
+
+/// Position of the marker that ends the entropy-coded data from `at` on; the size of the file when there is none.
+std::size_t SkipScan(std::span<const std::uint8_t> bytes, std::size_t at) {
+  for (; at + 1 < bytes.size(); ++at) {
+    const std::uint8_t next = bytes[at + 1];
+    if (bytes[at] == 0xff && next != 0x00 && next != 0xff && !(next >= 0xd0 && next <= 0xd7)) return at;
+  }
+  return bytes.size();
+}
+
+std::string ReadText(ExifData& data, ExifTag tag) {
+  const ExifEntry* entry = exif_content_get_entry(data.ifd[EXIF_IFD_EXIF], tag);
+  if (entry == nullptr || entry->data == nullptr || entry->format != EXIF_FORMAT_ASCII) return {};
+  const auto* begin = reinterpret_cast<const char*>(entry->data);
+  return {begin, std::find(begin, begin + entry->size, '\0')};
+}
+
+/// Digits behind the decimal point, as nanoseconds.
+std::int64_t ParseFraction_ns(const std::string& digits) {
+  std::int64_t ns = 0;
+  std::int64_t unit = 100'000'000;
+  for (const char c : digits) {
+    if (std::isdigit(static_cast<unsigned char>(c)) == 0) break;
+    ns += (c - '0') * unit;
+    unit /= 10;
+  }
+  return ns;
+}
+
+/// "+02:00" as seconds.
+std::optional<std::int64_t> ParseOffset_s(const std::string& text) {
+  char sign = 0;
+  int hours = 0;
+  int minutes = 0;
+  if (text == "Z") return 0;
+  if (std::sscanf(text.c_str(), "%c%2d:%2d", &sign, &hours, &minutes) != 3) return std::nullopt;
+  if ((sign != '+' && sign != '-') || hours < 0 || hours > 14 || minutes < 0 || minutes > 59) return std::nullopt;
+  return (sign == '+' ? 1 : -1) * (hours * 3600 + minutes * 60);
+}
+
+std::optional<std::int64_t> ParseDateTime_s(const std::string& text) {
+  int year = 0;
+  unsigned month = 0;
+  unsigned day = 0;
+  int hour = 0;
+  int minute = 0;
+  int second = 0;
+  if (std::sscanf(text.c_str(), "%4d:%2u:%2u %2d:%2d:%2d", &year, &month, &day, &hour, &minute, &second) != 6) {
+    return std::nullopt;
+  }
+  using namespace std::chrono;
+  const year_month_day date{std::chrono::year(year), std::chrono::month(month), std::chrono::day(day)};
+  const bool is_time = hour >= 0 && hour < 24 && minute >= 0 && minute < 60 && second >= 0 && second < 61;
+  if (!date.ok() || !is_time || year < 1970 || year > 2200) return std::nullopt;
+  const auto days = sys_days(date).time_since_epoch();
+  return duration_cast<seconds>(days).count() + hour * 3600 + minute * 60 + second;
+}
+
+}  // namespace
+
+Result<JpegInfo> CheckJpeg(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < 4 || bytes[0] != 0xff || bytes[1] != kStartOfImage) return InvalidInput("not a JPEG picture");
+  JpegInfo info;
+  std::size_t at = 2;
+  while (true) {
+    while (at < bytes.size() && bytes[at] == 0xff && at + 1 < bytes.size() && bytes[at + 1] == 0xff) ++at;
+    if (at + 2 > bytes.size()) return InvalidInput("the picture is cut off: its end marker is missing");
+    if (bytes[at] != 0xff) return InvalidInput("the picture is damaged: a marker is missing");
+    const std::uint8_t marker = bytes[at + 1];
+    at += 2;
+    if (marker == kEndOfImage) break;
+    if (StandsAlone(marker)) continue;
+    if (at + 2 > bytes.size()) return InvalidInput("the picture is cut off within a segment");
+    const std::size_t length = static_cast<std::size_t>(bytes[at]) << 8 | bytes[at + 1];
+    if (length < 2 || at + length > bytes.size()) return InvalidInput("the picture is cut off within a segment");
+    if (IsFrameHeader(marker)) {
+      if (length < 8) return InvalidInput("the picture is damaged: its frame header is too short");
+      info.height_px = bytes[at + 3] << 8 | bytes[at + 4];
+      info.width_px = bytes[at + 5] << 8 | bytes[at + 6];
+    }
+    at += length;
+    if (marker != kStartOfScan) continue;
+    if (info.width_px == 0 || info.height_px == 0) return InvalidInput("the picture is damaged: it has no size");
+    at = SkipScan(bytes, at);
+  }
+  if (info.width_px == 0 || info.height_px == 0) return InvalidInput("the picture is empty");
+  return info;
+}
+
+std::optional<std::int64_t> FindExposureTime(std::span<const std::uint8_t> jpeg) {
+  if (jpeg.size() > std::numeric_limits<unsigned>::max()) return std::nullopt;
+  const std::unique_ptr<ExifData, decltype(&exif_data_unref)> data(
+      exif_data_new_from_data(jpeg.data(), static_cast<unsigned>(jpeg.size())), &exif_data_unref);
+  if (!data) return std::nullopt;
+  constexpr auto kOffsetTimeOriginal = static_cast<ExifTag>(0x9011);
+  const auto local_s = ParseDateTime_s(ReadText(*data, EXIF_TAG_DATE_TIME_ORIGINAL));
+  const auto offset_s = ParseOffset_s(ReadText(*data, kOffsetTimeOriginal));
+  if (!local_s || !offset_s) return std::nullopt;
+  return (*local_s - *offset_s) * 1'000'000'000 + ParseFraction_ns(ReadText(*data, EXIF_TAG_SUB_SEC_TIME_ORIGINAL));
+}
+
+}  // namespace soffit

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "shared/wire/topics.h"
+#include "vehicle_agent/edge/mailbox.h"
+
+#include "shared/dds/writer.h"
+
+namespace soffit {
+
+/// Hands pictures over to the service, one after another, on its own thread: waits for someone to read them and for the
+/// link to have room, and until they are acknowledged. The outcome comes as PictureOutcome.
+class PictureSender {
+ public:
+  PictureSender(const Participant& radio, double timeout_s, Mailbox& mailbox);
+  ~PictureSender();
+  PictureSender(const PictureSender&) = delete;
+  PictureSender& operator=(const PictureSender&) = delete;
+
+  void Send(std::uint64_t request_id, Capture capture);
+
+ private:
+  struct Parcel {
+    std::uint64_t request_id = 0;
+    Capture capture;
+  };
+  void Work();
+  std::string Deliver(const Capture& capture);  ///< What kept it from being handed over; empty: nothing.
+
+  Writer<CaptureTopic> writer_;
+  double timeout_s_;
+  Mailbox& mailbox_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Parcel> parcels_;
+  std::atomic<bool> is_stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace soffit
