@@ -48,9 +48,9 @@ struct AutopilotOptions {
     field("reference_height_m", self.reference_height_m,
           OptionInfo{-2.0, 5.0, "m", "Height of the vehicle's centre over ground when the autopilot says 0"});
     field("position_std_m", self.position_std_m,
-          OptionInfo{0.001, 10.0, "m", "Of the reported position, per axis, within one flight"});
+          OptionInfo{0.0, 10.0, "m", "Of the reported position, per axis, within one flight"});
     field("orientation_std_rad", self.orientation_std_rad,
-          OptionInfo{0.0001, 0.5, "rad", "Of the reported attitude, per axis"});
+          OptionInfo{0.0, 0.5, "rad", "Of the reported attitude, per axis"});
     field("max_estimator_ratio", self.max_estimator_ratio,
           OptionInfo{0.1, 10.0, "", "Innovation test ratio of the estimator: above, poses are not trusted"});
   }
