@@ -29,10 +29,11 @@ double ExpectedError_m(const Silhouette& s) {
 
 /// Whole before cut, then the one that errs least.
 const Silhouette& BestSilhouette(const std::vector<Silhouette>& silhouettes) {
-  return *std::min_element(silhouettes.begin(), silhouettes.end(), [](const Silhouette& a, const Silhouette& b) {
-    if (a.outline.is_cut != b.outline.is_cut) return b.outline.is_cut;
-    return ExpectedError_m(a) < ExpectedError_m(b);
-  });
+  return *std::min_element(silhouettes.begin(), silhouettes.end(),
+                           [](const Silhouette& a, const Silhouette& b) {
+                             if (a.outline.is_cut != b.outline.is_cut) return b.outline.is_cut;
+                             return ExpectedError_m(a) < ExpectedError_m(b);
+                           });
 }
 
 /// With noisy poses every picture shows the building somewhere else: their weighted mean.
@@ -57,15 +58,18 @@ void Shift(Polygon& polygon, const Vector2d& by) {
   }
 }
 
-/// Draws polygon and standard deviations from the silhouettes, for the height that is set. False when none can be.
+/// Draws polygon and standard deviations from the silhouettes, for the height that is set. False when none
+/// can be.
 bool Draw(Footprint& footprint) {
   const Silhouette& best = BestSilhouette(footprint.silhouettes);
   footprint.is_cut = best.outline.is_cut;
   footprint.polygon_in_map_m = lean::Straighten(best, footprint.height_m);
   if (footprint.polygon_in_map_m.outer.empty()) return false;
-  Shift(footprint.polygon_in_map_m, MeanShift(footprint.silhouettes, footprint.polygon_in_map_m, footprint.height_m));
+  Shift(footprint.polygon_in_map_m,
+        MeanShift(footprint.silhouettes, footprint.polygon_in_map_m, footprint.height_m));
   const double pixel_m = lean::GroundSampling_m(best);
-  const double pose_m = std::hypot(best.view.position_std_m, CameraHeight(best) * best.view.orientation_std_rad);
+  const double pose_m =
+      std::hypot(best.view.position_std_m, CameraHeight(best) * best.view.orientation_std_rad);
   const Vector2d nadir = best.view.map_from_camera.translation_m.head<2>();
   footprint.corner_std_m.clear();
   for (const Vector2d& corner : footprint.polygon_in_map_m.outer) {
@@ -97,8 +101,9 @@ bool Understand(Footprint& footprint, double max_height_m) {
   return Draw(footprint);
 }
 
-/// Share of what a silhouette covers on the ground that a building of this footprint and height would cover: a point
-/// is covered when some part of the plumb line on the footprint, or of the roof, appears in front of it.
+/// Share of what a silhouette covers on the ground that a building of this footprint and height would cover:
+/// a point is covered when some part of the plumb line on the footprint, or of the roof, appears in front of
+/// it.
 double ShareExplained(const Silhouette& silhouette, const Polygon& polygon, double height_m) {
   constexpr int kCells = 24;
   constexpr int kLevels = 8;
@@ -130,14 +135,16 @@ double ShareExplained(const Silhouette& silhouette, const Polygon& polygon, doub
   return covered > 0 ? static_cast<double>(explained) / covered : 0.0;
 }
 
-/// Whether what `other` was seen as is this building. One whose height is not known yet is tried at a middling one.
+/// Whether what `other` was seen as is this building. One whose height is not known yet is tried at a
+/// middling one.
 bool Explains(const Footprint& building, const Footprint& other) {
   double ceiling_m = CameraHeight(other.silhouettes.front());
   for (const Silhouette& s : building.silhouettes) ceiling_m = std::min(ceiling_m, CameraHeight(s));
   double height_m = building.height_m > 0.0 ? building.height_m : other.height_m;
   if (!(height_m > 0.0 && height_m < 0.9 * ceiling_m)) height_m = kMiddlingHeightRatio * ceiling_m;
-  const Polygon polygon = building.height_m > 0.0 ? building.polygon_in_map_m
-                                                  : lean::Straighten(BestSilhouette(building.silhouettes), height_m);
+  const Polygon polygon = building.height_m > 0.0
+                              ? building.polygon_in_map_m
+                              : lean::Straighten(BestSilhouette(building.silhouettes), height_m);
   return std::all_of(other.silhouettes.begin(), other.silhouettes.end(), [&](const Silhouette& s) {
     return ShareExplained(s, polygon, height_m) >= kSameBuildingShare;
   });
@@ -167,14 +174,14 @@ std::vector<Footprint> TraceFootprints(const Image& image, const std::vector<Out
   return footprints;
 }
 
-std::vector<Footprint> MergeFootprints(const std::vector<Footprint>& map, const std::vector<Footprint>& seen) {
+std::vector<Footprint> MergeFootprints(const std::vector<Footprint>& map,
+                                       const std::vector<Footprint>& seen) {
   std::vector<Footprint> merged = map;
   std::uint32_t next_id = 1;
   for (const Footprint& known : map) next_id = std::max(next_id, known.object_id + 1);
   for (const Footprint& candidate : seen) {
-    const auto known = std::find_if(merged.begin(), merged.end(), [&](const Footprint& f) {
-      return IsSameBuilding(f, candidate);
-    });
+    const auto known = std::find_if(merged.begin(), merged.end(),
+                                    [&](const Footprint& f) { return IsSameBuilding(f, candidate); });
     if (known == merged.end()) {
       merged.push_back(candidate);
       merged.back().object_id = next_id++;

@@ -20,8 +20,8 @@ double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 Vector2d Nadir(const View& view) { return view.map_from_camera.translation_m.head<2>(); }
 double CameraHeight(const View& view) { return view.map_from_camera.translation_m.z(); }
 
-/// The ring on the ground, turned to be counter-clockwise (outer) or clockwise (hole). Empty when a corner's ray does
-/// not meet the ground.
+/// The ring on the ground, turned to be counter-clockwise (outer) or clockwise (hole). Empty when a corner's
+/// ray does not meet the ground.
 Ring OnGround(const View& view, const Ring& ring_px, bool is_hole) {
   Ring ring;
   for (const Vector2d& pixel : ring_px) {
@@ -42,14 +42,16 @@ std::vector<Side> ClassifySides(const Ring& ring, double noise_m) {
     const Vector2d& a = ring[i];
     const Vector2d& b = ring[(i + 1) % ring.size()];
     const Vector2d side = b - a;
-    const double offset = std::abs(Cross(a, side)) / std::max(side.norm(), 1e-12);  // Of its line from the nadir.
+    const double offset =
+        std::abs(Cross(a, side)) / std::max(side.norm(), 1e-12);  // Of its line from the nadir.
     const double reach = std::min(a.norm(), b.norm());
     const double tolerance = 0.04 + 1.5 * noise_m / std::max(side.norm(), 1e-12);
     const bool points_away = a.dot(side) * b.dot(side) > 0.0;
     if (points_away && offset < reach * std::min(tolerance, 0.5)) {
       sides.push_back(Side::kRadial);
     } else {
-      sides.push_back(Cross(a, side) > 0.0 ? Side::kRoof : Side::kBase);  // Outward is to the right of the side.
+      sides.push_back(Cross(a, side) > 0.0 ? Side::kRoof
+                                           : Side::kBase);  // Outward is to the right of the side.
     }
   }
   return sides;
@@ -70,7 +72,8 @@ Sides DescribeSides(const Ring& ring_on_ground, const Vector2d& nadir, double no
     const std::size_t before = (i + sides.ring.size() - 1) % sides.ring.size();
     const double outward = (sides.ring[(i + 1) % sides.ring.size()] - sides.ring[i]).dot(sides.ring[i]);
     const double outward_before = (sides.ring[i] - sides.ring[before]).dot(sides.ring[i]);
-    if (sides.kinds[i] == Side::kRadial && sides.kinds[before] == Side::kRadial && outward * outward_before > 0.0) {
+    if (sides.kinds[i] == Side::kRadial && sides.kinds[before] == Side::kRadial &&
+        outward * outward_before > 0.0) {
       sides.ring.erase(sides.ring.begin() + static_cast<std::ptrdiff_t>(i));
       sides.kinds.erase(sides.kinds.begin() + static_cast<std::ptrdiff_t>(i));
     } else {
@@ -156,8 +159,8 @@ Ring StraightenRing(const Sides& silhouette, double shrink, double noise_m) {
   return straight;
 }
 
-/// Without the sides and corners that are only noise: corners that hardly bend the ring, and short sides across a
-/// corner in which their neighbours meet.
+/// Without the sides and corners that are only noise: corners that hardly bend the ring, and short sides
+/// across a corner in which their neighbours meet.
 Ring TidyRing(Ring ring, double noise_m) {
   const double tolerance_m = 1.2 * noise_m;
   for (std::size_t i = 0; ring.size() > 3 && i < ring.size();) {
@@ -252,14 +255,16 @@ class Disagreement {
     std::vector<Polygon> polygons;
     for (const Silhouette& s : silhouettes_) polygons.push_back(Straighten(s, height_m));
     for (std::size_t i = 0; i < polygons.size(); ++i) {
-      for (std::size_t j = i + 1; j < polygons.size(); ++j) sum += Pair(i, j, polygons[i], polygons[j], height_m);
+      for (std::size_t j = i + 1; j < polygons.size(); ++j)
+        sum += Pair(i, j, polygons[i], polygons[j], height_m);
     }
     return sum;
   }
 
   double OfPriors(double height_m) const {
     double sum = 0.0;
-    for (const Estimate& prior : priors_) {  // Cauchy: a side of the building that happens to be radial misleads.
+    for (const Estimate& prior :
+         priors_) {  // Cauchy: a side of the building that happens to be radial misleads.
       const double error = (height_m - prior.value) / prior.std;
       sum += 2.0 * std::log1p(0.25 * error * error);
     }
@@ -271,7 +276,8 @@ class Disagreement {
     if (a.outer.empty() || b.outer.empty()) return kHopeless;
     const double offset_std = std::hypot(PositionStd(silhouettes_[i]), PositionStd(silhouettes_[j]));
     const Vector2d between = Centroid(Polygon{a.outer, {}}) - Centroid(Polygon{b.outer, {}});
-    const double own_std = std::hypot(OutlineStd(silhouettes_[i], a, height_m), OutlineStd(silhouettes_[j], b, height_m));
+    const double own_std =
+        std::hypot(OutlineStd(silhouettes_[i], a, height_m), OutlineStd(silhouettes_[j], b, height_m));
     const double share = offset_std * offset_std / (offset_std * offset_std + own_std * own_std);
     const Vector2d offset = share * between;  // The shift that the pose noise explains.
     double chi2 = kIndependentSamples * MeanSquaredDistance(a.outer, b.outer, offset) / (own_std * own_std);
@@ -314,9 +320,8 @@ Polygon Straighten(const Silhouette& silhouette, double height_m) {
   if (result.outer.empty()) return {};
   for (const Ring& hole_px : silhouette.outline.polygon_px.holes) {
     Ring hole = straighten(hole_px, true);
-    const bool is_inside = std::all_of(hole.begin(), hole.end(), [&](const Vector2d& p) {
-      return Contains(result.outer, p);
-    });
+    const bool is_inside =
+        std::all_of(hole.begin(), hole.end(), [&](const Vector2d& p) { return Contains(result.outer, p); });
     if (!hole.empty() && is_inside) result.holes.push_back(std::move(hole));
   }
   return result;
@@ -351,17 +356,20 @@ std::optional<Estimate> HeightFromCorners(const Silhouette& silhouette, double m
   }
   if (candidates.empty()) return std::nullopt;
 
-  // The height that most corners tell; the lowest of them, for a side that happens to be radial only adds length.
-  std::sort(candidates.begin(), candidates.end(), [](const Estimate& a, const Estimate& b) { return a.value < b.value; });
+  // The height that most corners tell; the lowest of them, for a side that happens to be radial only adds
+  // length.
+  std::sort(candidates.begin(), candidates.end(),
+            [](const Estimate& a, const Estimate& b) { return a.value < b.value; });
   const auto agrees = [](const Estimate& a, const Estimate& b) {
     return std::abs(a.value - b.value) <= 3.0 * std::hypot(a.std, b.std);
   };
   const auto votes = [&](const Estimate& candidate) {
-    return std::count_if(candidates.begin(), candidates.end(), [&](const Estimate& e) { return agrees(e, candidate); });
+    return std::count_if(candidates.begin(), candidates.end(),
+                         [&](const Estimate& e) { return agrees(e, candidate); });
   };
-  const Estimate chosen = *std::max_element(candidates.begin(), candidates.end(), [&](const auto& a, const auto& b) {
-    return votes(a) < votes(b);
-  });
+  const Estimate chosen =
+      *std::max_element(candidates.begin(), candidates.end(),
+                        [&](const auto& a, const auto& b) { return votes(a) < votes(b); });
   double weight = 0.0;
   double sum = 0.0;
   for (const Estimate& e : candidates) {
@@ -377,8 +385,10 @@ std::optional<Estimate> HeightFromCorners(const Silhouette& silhouette, double m
 std::optional<Estimate> HeightFromParallax(const std::vector<Silhouette>& silhouettes,
                                            const std::vector<Estimate>& priors, double max_height_m) {
   double ceiling_m = max_height_m;
-  for (const Silhouette& s : silhouettes) ceiling_m = std::min(ceiling_m, kHighestRatio * CameraHeight(s.view));
-  if (!(ceiling_m > 0.0) || silhouettes.empty() || (silhouettes.size() < 2 && priors.empty())) return std::nullopt;
+  for (const Silhouette& s : silhouettes)
+    ceiling_m = std::min(ceiling_m, kHighestRatio * CameraHeight(s.view));
+  if (!(ceiling_m > 0.0) || silhouettes.empty() || (silhouettes.size() < 2 && priors.empty()))
+    return std::nullopt;
   constexpr int kSteps = 80;
   Disagreement disagreement(silhouettes, priors);
   disagreement.WeighPairs(ceiling_m, kSteps);

@@ -16,12 +16,13 @@ std::string SizeText(std::int64_t width_px, std::int64_t height_px) {
 }
 
 Status CheckHeader(const PictureHeader& header, const ImageOptions& options) {
-  const double megapixels = static_cast<double>(header.width_px) * static_cast<double>(header.height_px) * 1e-6;
+  const double megapixels =
+      static_cast<double>(header.width_px) * static_cast<double>(header.height_px) * 1e-6;
   if (!(megapixels > 0.0)) return InvalidInput("it has no pixels");
   if (!(megapixels <= options.max_megapixels)) {
     std::ostringstream text;
-    text << "it claims " << SizeText(header.width_px, header.height_px) << ", more than " << options.max_megapixels
-         << " megapixels (image.max_megapixels)";
+    text << "it claims " << SizeText(header.width_px, header.height_px) << ", more than "
+         << options.max_megapixels << " megapixels (image.max_megapixels)";
     return Error{Error::Code::kTooLarge, text.str()};
   }
   if (header.scans > options.max_scans) {
@@ -36,8 +37,8 @@ bool IsFinite(const Pose<Map, Camera>& pose) {
          std::abs(pose.rotation.norm() - 1.0) < 1e-3;
 }
 
-/// Whether points farther from the axis are seen farther from the centre, out to the corners; else the polynomial
-/// folds the picture over itself and has no inverse.
+/// Whether points farther from the axis are seen farther from the centre, out to the corners; else the
+/// polynomial folds the picture over itself and has no inverse.
 bool IsDistortionInvertible(const Intrinsics& k) {
   const double x = std::max(k.cx_px, k.width_px - 1 - k.cx_px) / k.fx_px;
   const double y = std::max(k.cy_px, k.height_px - 1 - k.cy_px) / k.fy_px;
@@ -76,8 +77,8 @@ Intrinsics WithoutDistortion(const Intrinsics& k) {
 
 cv::Mat3b Undistort(const cv::Mat3b& picture, const Intrinsics& distorted, const Intrinsics& ideal) {
   cv::Mat x, y;
-  cv::initUndistortRectifyMap(CameraMatrix(distorted), distorted.distortion, cv::noArray(), CameraMatrix(ideal),
-                              picture.size(), CV_32FC1, x, y);
+  cv::initUndistortRectifyMap(CameraMatrix(distorted), distorted.distortion, cv::noArray(),
+                              CameraMatrix(ideal), picture.size(), CV_32FC1, x, y);
   cv::Mat3b result;
   cv::remap(picture, result, x, y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return result;
@@ -101,7 +102,8 @@ Result<cv::Mat3b> DecodePicture(const std::vector<std::uint8_t>& bytes, const Im
   } catch (const cv::Exception&) {
     decoded.release();
   }
-  if (decoded.empty() || decoded.cols != header.value().width_px || decoded.rows != header.value().height_px) {
+  if (decoded.empty() || decoded.cols != header.value().width_px ||
+      decoded.rows != header.value().height_px) {
     return InvalidInput("its content is damaged");
   }
   return cv::Mat3b(decoded);
@@ -109,10 +111,12 @@ Result<cv::Mat3b> DecodePicture(const std::vector<std::uint8_t>& bytes, const Im
 
 Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options) {
   const std::string who =
-      "picture " + (capture.name.empty() ? std::to_string(capture.capture_id) : "'" + capture.name + "'") + ": ";
+      "picture " + (capture.name.empty() ? std::to_string(capture.capture_id) : "'" + capture.name + "'") +
+      ": ";
   const Intrinsics& k = capture.intrinsics;
   if (!IsValid(k)) return InvalidInput(who + "its camera intrinsics are not valid");
-  if (!IsFinite(capture.map_from_camera)) return InvalidInput(who + "its pose is not a finite rotation and position");
+  if (!IsFinite(capture.map_from_camera))
+    return InvalidInput(who + "its pose is not a finite rotation and position");
   if (!(capture.position_std_m >= 0.0) || !std::isfinite(capture.position_std_m) ||
       !(capture.orientation_std_rad >= 0.0) || !std::isfinite(capture.orientation_std_rad)) {
     return InvalidInput(who + "the standard deviations of its pose are not finite and >= 0");

@@ -16,8 +16,8 @@ struct Image {
   std::string name;
   Purpose purpose = Purpose::kUnknown;
   bool has_trusted_pose = false;
-  cv::Mat3b bgr;   ///< Never empty.
-  cv::Rect seen;   ///< The rectangle in which every pixel was seen by the lens. Never empty.
+  cv::Mat3b bgr;  ///< Never empty.
+  cv::Rect seen;  ///< The rectangle in which every pixel was seen by the lens. Never empty.
   View view;
 };
 
@@ -28,15 +28,17 @@ struct ImageOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& field) {
-    field("max_megapixels", self.max_megapixels, OptionInfo{0.01, 200.0, "MP", "Larger pictures are refused unread"});
+    field("max_megapixels", self.max_megapixels,
+          OptionInfo{0.01, 200.0, "MP", "Larger pictures are refused unread"});
     field("max_bytes", self.max_bytes, OptionInfo{1024, 1 << 30, "B", "Longer files are refused unread"});
-    field("max_scans", self.max_scans, OptionInfo{1, 1000, "", "Progressive JPEGs with more scans are refused"});
+    field("max_scans", self.max_scans,
+          OptionInfo{1, 1000, "", "Progressive JPEGs with more scans are refused"});
   }
 };
 
-/// Decodes a JPEG or PNG, told by its magic. Size, scans and completeness are checked before anything is decoded.
-/// Greyscale, 16-bit, CMYK and alpha are turned to 8-bit BGR; an orientation tag is not followed. An error says
-/// what is wrong. Pure; O(pixels).
+/// Decodes a JPEG or PNG, told by its magic. Size, scans and completeness are checked before anything is
+/// decoded. Greyscale, 16-bit, CMYK and alpha are turned to 8-bit BGR; an orientation tag is not followed. An
+/// error says what is wrong. Pure; O(pixels).
 Result<cv::Mat3b> DecodePicture(const std::vector<std::uint8_t>& bytes, const ImageOptions& options);
 
 /// Decodes and undistorts a picture. Its size has to be that of the intrinsics, and its pose finite.

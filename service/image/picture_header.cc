@@ -14,7 +14,9 @@ std::uint32_t BigEndian(const std::vector<std::uint8_t>& bytes, std::size_t at, 
   return value;
 }
 
-Error EndsTooEarly(const char* format) { return InvalidInput(std::string("the ") + format + " ends too early"); }
+Error EndsTooEarly(const char* format) {
+  return InvalidInput(std::string("the ") + format + " ends too early");
+}
 
 bool IsFrameHeader(std::uint8_t marker) {  // SOF0 to SOF15, without DHT, JPG and DAC between them.
   return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
@@ -61,7 +63,8 @@ Result<PictureHeader> ReadPngHeader(const std::vector<std::uint8_t>& bytes) {
     const std::size_t length = BigEndian(bytes, at, 4);
     const std::uint32_t type = BigEndian(bytes, at + 4, 4);
     if (header.width_px == 0) {
-      if (type != kIhdr || length != 13 || at + 25 > bytes.size()) return InvalidInput("the PNG has no header");
+      if (type != kIhdr || length != 13 || at + 25 > bytes.size())
+        return InvalidInput("the PNG has no header");
       header.width_px = BigEndian(bytes, at + 8, 4);
       header.height_px = BigEndian(bytes, at + 12, 4);
       if (header.width_px == 0) return InvalidInput("the PNG has no pixels");
@@ -76,7 +79,8 @@ Result<PictureHeader> ReadPngHeader(const std::vector<std::uint8_t>& bytes) {
 }  // namespace
 
 Result<PictureHeader> ReadPictureHeader(const std::vector<std::uint8_t>& bytes) {
-  if (bytes.size() >= 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff) return ReadJpegHeader(bytes);
+  if (bytes.size() >= 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff)
+    return ReadJpegHeader(bytes);
   if (bytes.size() >= kPngMagic.size() && std::equal(kPngMagic.begin(), kPngMagic.end(), bytes.begin())) {
     return ReadPngHeader(bytes);
   }

@@ -18,14 +18,16 @@ using Eigen::Vector2d;
 using std::numbers::pi;
 
 constexpr std::size_t kSectors = 72;
-constexpr double kWordTolerance = 0.06;        ///< Of the square root of the area.
-constexpr double kMaxProfileDistance = 0.25;   ///< Of the area; farther shapes are not compared in detail.
+constexpr double kWordTolerance = 0.06;       ///< Of the square root of the area.
+constexpr double kMaxProfileDistance = 0.25;  ///< Of the area; farther shapes are not compared in detail.
 constexpr double kMaxWordCost = 0.35;
 constexpr std::size_t kMaxRotations = 8;
 constexpr double kSameRotation_rad = 0.12;
-constexpr double kMisfitAtHalfScore = 0.06;
-constexpr double kMaxAnchorMisfit = 0.15;
-constexpr double kMaxNeighbourOffset = 0.5;    ///< Of the square root of the neighbour's area.
+constexpr double kTolerance = 0.022;           ///< Misfit of shapes without roughness that may still be the same.
+constexpr double kTolerancePerRoughness = 1.8;
+constexpr double kScoreAtTolerance = 0.85;
+constexpr double kMaxAnchorMisfitRatio = 4.0;
+constexpr double kMaxNeighbourOffset = 0.5;  ///< Of the square root of the neighbour's area.
 constexpr double kMaxAreaRatio = 1.5;
 
 /// Area by direction from the centroid: invariant to position and scale, a rotation shifts it.
@@ -33,6 +35,7 @@ using Profile = std::array<double, kSectors>;
 
 struct Shape {
   const Polygon* polygon = nullptr;
+  double roughness = 0.0;  ///< Over `side`.
   Vector2d centroid = Vector2d::Zero();
   double side = 0.0;  ///< Square root of the area.
   Profile profile{};
@@ -60,19 +63,22 @@ void AddToProfile(const Ring& ring, const Vector2d& center, double area, Profile
   }
 }
 
-Shape Describe(const Polygon& polygon) {
+Shape Describe(const TracedShape& traced) {
+  const Polygon& polygon = traced.polygon;
   Shape shape;
   shape.polygon = &polygon;
   shape.centroid = Centroid(polygon);
   const double area = Area(polygon);
   shape.side = std::sqrt(area);
+  shape.roughness = traced.roughness / shape.side;
   AddToProfile(polygon.outer, shape.centroid, area, shape.profile);
   for (const Ring& hole : polygon.holes) AddToProfile(hole, shape.centroid, area, shape.profile);
   shape.word = Spell(polygon.outer, kWordTolerance * shape.side);
   return shape;
 }
 
-bool IsUsable(const Polygon& polygon) {
+bool IsUsable(const TracedShape& shape) {
+  const Polygon& polygon = shape.polygon;
   return polygon.outer.size() >= 3 && std::isfinite(Area(polygon)) && Area(polygon) > 0.0;
 }
 
@@ -95,11 +101,12 @@ void AddRotation(std::vector<RotationCandidate>& rotations, const RotationCandid
   if (rotations.size() < kMaxRotations) rotations.push_back(candidate);
 }
 
-/// Rotations by which `a` may lie like `b`, likely ones first: what the words say, then what the profiles say. None
-/// when the shapes are too different.
+/// Rotations by which `a` may lie like `b`, likely ones first: what the words say, then what the profiles
+/// say. None when the shapes are too different.
 std::vector<double> FindRotations(const Shape& a, const Shape& b) {
   std::array<double, kSectors> distance;
-  for (std::size_t shift = 0; shift < kSectors; ++shift) distance[shift] = ProfileDistance(a.profile, b.profile, shift);
+  for (std::size_t shift = 0; shift < kSectors; ++shift)
+    distance[shift] = ProfileDistance(a.profile, b.profile, shift);
   const double nearest = *std::min_element(distance.begin(), distance.end());
   if (nearest > kMaxProfileDistance) return {};
   std::vector<RotationCandidate> rotations;
@@ -109,13 +116,15 @@ std::vector<double> FindRotations(const Shape& a, const Shape& b) {
   }
   std::vector<RotationCandidate> by_profile;
   for (std::size_t i = 0; i < kSectors; ++i) {
-    const bool is_least = distance[i] <= distance[(i + 1) % kSectors] && distance[i] <= distance[(i + kSectors - 1) % kSectors];
+    const bool is_least =
+        distance[i] <= distance[(i + 1) % kSectors] && distance[i] <= distance[(i + kSectors - 1) % kSectors];
     if (is_least && distance[i] < kMaxProfileDistance) {
       by_profile.push_back({2.0 * pi * static_cast<double>(i) / kSectors, distance[i]});
     }
   }
-  std::stable_sort(by_profile.begin(), by_profile.end(),
-                   [](const RotationCandidate& x, const RotationCandidate& y) { return x.distance < y.distance; });
+  std::stable_sort(
+      by_profile.begin(), by_profile.end(),
+      [](const RotationCandidate& x, const RotationCandidate& y) { return x.distance < y.distance; });
   for (const RotationCandidate& candidate : by_profile) AddRotation(rotations, candidate);
   std::vector<double> result;
   for (const RotationCandidate& candidate : rotations) result.push_back(candidate.rotation_ccw_rad);
@@ -124,28 +133,28 @@ std::vector<double> FindRotations(const Shape& a, const Shape& b) {
 
 Similarity LayOn(const Shape& a, const Shape& b, double rotation_ccw_rad) {
   const double scale = b.side / a.side;
-  Similarity similarity{scale * std::cos(rotation_ccw_rad), scale * std::sin(rotation_ccw_rad), Vector2d::Zero()};
+  Similarity similarity{scale * std::cos(rotation_ccw_rad), scale * std::sin(rotation_ccw_rad),
+                        Vector2d::Zero()};
   similarity.translation = b.centroid - similarity * a.centroid;
   return similarity;
 }
 
-/// 1 for shapes that coincide, falling with the square of the misfit.
-double ScoreOf(double misfit) {
-  const double ratio = misfit / kMisfitAtHalfScore;
-  return 1.0 / (1.0 + ratio * ratio);
+/// 1 for shapes that coincide; kScoreAtTolerance for a misfit that shape and roughness just allow.
+double ScoreOf(double misfit_ratio) {
+  return 1.0 / (1.0 + (1.0 / kScoreAtTolerance - 1.0) * misfit_ratio * misfit_ratio);
 }
 
 /// One way to lay the whole reference on shapes of the map.
 struct Pose2d {
   std::vector<std::size_t> shapes;
   Similarity similarity;
-  double misfit = std::numeric_limits<double>::infinity();
+  double misfit_ratio = std::numeric_limits<double>::infinity();  ///< 1: just allowed.
 };
 
 class Matcher {
  public:
-  Matcher(const std::vector<Polygon>& map, const Reference& reference) {
-    for (const Polygon& polygon : reference.shapes) reference_.push_back(Describe(polygon));
+  Matcher(const std::vector<TracedShape>& map, const Reference& reference) {
+    for (const TracedShape& shape : reference.shapes) reference_.push_back(Describe(shape));
     for (std::size_t i = 0; i < map.size(); ++i) {
       if (!IsUsable(map[i])) continue;
       map_.push_back(Describe(map[i]));
@@ -169,17 +178,19 @@ class Matcher {
   /// The shape of the reference that tells most: large and with many sides.
   std::size_t ChooseAnchor() const {
     const auto tells_less = [](const Shape& a, const Shape& b) {
-      return a.side * std::sqrt(static_cast<double>(a.word.size())) < b.side * std::sqrt(static_cast<double>(b.word.size()));
+      return a.side * std::sqrt(static_cast<double>(a.word.size())) <
+             b.side * std::sqrt(static_cast<double>(b.word.size()));
     };
     return static_cast<std::size_t>(std::max_element(reference_.begin(), reference_.end(), tells_less) -
                                     reference_.begin());
   }
 
   std::optional<Pose2d> LayReference(std::size_t anchor, std::size_t on, double rotation_ccw_rad) const {
-    Similarity similarity = RefineSimilarity({Pair(anchor, on)}, LayOn(reference_[anchor], map_[on], rotation_ccw_rad));
-    const double misfit = Misfit(Pair(anchor, on), similarity);
-    if (reference_.size() == 1) return Pose2d{{index_[on]}, similarity, misfit};
-    if (misfit > kMaxAnchorMisfit) return std::nullopt;
+    Similarity similarity =
+        RefineSimilarity({Pair(anchor, on)}, LayOn(reference_[anchor], map_[on], rotation_ccw_rad));
+    const double misfit_ratio = MisfitRatio(anchor, on, similarity);
+    if (reference_.size() == 1) return Pose2d{{index_[on]}, similarity, misfit_ratio};
+    if (misfit_ratio > kMaxAnchorMisfitRatio) return std::nullopt;
     std::vector<std::size_t> partners(reference_.size());
     for (std::size_t i = 0; i < reference_.size(); ++i) {
       const auto partner = i == anchor ? std::optional(on) : FindPartner(i, similarity, partners, i);
@@ -190,9 +201,9 @@ class Matcher {
     for (std::size_t i = 0; i < partners.size(); ++i) pairs.push_back(Pair(i, partners[i]));
     Pose2d pose;
     pose.similarity = RefineSimilarity(pairs, similarity);
-    pose.misfit = 0.0;
+    pose.misfit_ratio = 0.0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      pose.misfit = std::max(pose.misfit, Misfit(pairs[i], pose.similarity));
+      pose.misfit_ratio = std::max(pose.misfit_ratio, MisfitRatio(i, partners[i], pose.similarity));
       pose.shapes.push_back(index_[partners[i]]);
     }
     return pose;
@@ -208,13 +219,19 @@ class Matcher {
     for (std::size_t j = 0; j < map_.size(); ++j) {
       const double ratio = map_[j].side * map_[j].side / (side * side);
       const double distance = (map_[j].centroid - expected).norm();
-      const bool is_taken = std::find(partners.begin(), partners.begin() + static_cast<std::ptrdiff_t>(taken), j) !=
-                            partners.begin() + static_cast<std::ptrdiff_t>(taken);
+      const bool is_taken = std::find(partners.begin(), partners.begin() + static_cast<std::ptrdiff_t>(taken),
+                                      j) != partners.begin() + static_cast<std::ptrdiff_t>(taken);
       if (is_taken || ratio > kMaxAreaRatio || ratio < 1.0 / kMaxAreaRatio || distance >= nearest) continue;
       nearest = distance;
       best = j;
     }
     return best;
+  }
+
+  /// How far apart the outlines lie, over how far apart those of equal shapes may lie.
+  double MisfitRatio(std::size_t i, std::size_t j, const Similarity& similarity) const {
+    const double roughness = std::hypot(reference_[i].roughness, map_[j].roughness);
+    return Misfit(Pair(i, j), similarity) / std::hypot(kTolerance, kTolerancePerRoughness * roughness);
   }
 
   ShapePair Pair(std::size_t i, std::size_t j) const { return {reference_[i].polygon, map_[j].polygon}; }
@@ -231,20 +248,23 @@ double Clockwise(double rotation_ccw_rad) {
 
 /// All poses on the same shapes as one match: the best, with the rotations that fit as well.
 Match Summarize(std::vector<Pose2d> poses, const MatchOptions& options) {
-  std::stable_sort(poses.begin(), poses.end(), [](const Pose2d& a, const Pose2d& b) { return a.misfit < b.misfit; });
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const Pose2d& a, const Pose2d& b) { return a.misfit_ratio < b.misfit_ratio; });
   const Pose2d& best = poses.front();
   Match match;
   match.shapes = best.shapes;
   match.scale = best.similarity.Scale();
   match.rotation_cw_rad = Clockwise(best.similarity.RotationCcw_rad());
   match.translation = best.similarity.translation;
-  match.score = ScoreOf(best.misfit);
+  match.score = ScoreOf(best.misfit_ratio);
   for (const Pose2d& pose : poses) {
     const double rotation = Clockwise(pose.similarity.RotationCcw_rad());
-    const bool is_known = std::any_of(
-        match.equivalent_rotations_cw_rad.begin(), match.equivalent_rotations_cw_rad.end(),
-        [&](double known) { return std::abs(std::remainder(known - rotation, 2.0 * pi)) < kSameRotation_rad; });
-    if (!is_known && ScoreOf(pose.misfit) >= match.score - options.ambiguity_margin) {
+    const bool is_known =
+        std::any_of(match.equivalent_rotations_cw_rad.begin(), match.equivalent_rotations_cw_rad.end(),
+                    [&](double known) {
+                      return std::abs(std::remainder(known - rotation, 2.0 * pi)) < kSameRotation_rad;
+                    });
+    if (!is_known && ScoreOf(pose.misfit_ratio) >= match.score - options.ambiguity_margin) {
       match.equivalent_rotations_cw_rad.push_back(rotation);
     }
   }
@@ -253,7 +273,7 @@ Match Summarize(std::vector<Pose2d> poses, const MatchOptions& options) {
 
 }  // namespace
 
-std::vector<Match> FindMatches(const std::vector<Polygon>& map, const Reference& reference,
+std::vector<Match> FindMatches(const std::vector<TracedShape>& map, const Reference& reference,
                                const MatchOptions& options) {
   SOFFIT_EXPECT(IsValidOptions(options));
   SOFFIT_EXPECT(!reference.shapes.empty());
@@ -269,7 +289,8 @@ std::vector<Match> FindMatches(const std::vector<Polygon>& map, const Reference&
     Match match = Summarize(std::move(poses), options);
     if (match.score >= options.min_score) matches.push_back(std::move(match));
   }
-  std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) { return a.score > b.score; });
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const Match& a, const Match& b) { return a.score > b.score; });
   for (Match& match : matches) {
     match.is_ambiguous = std::any_of(matches.begin(), matches.end(), [&](const Match& other) {
       return &other != &match && std::abs(other.score - match.score) <= options.ambiguity_margin;
@@ -279,7 +300,7 @@ std::vector<Match> FindMatches(const std::vector<Polygon>& map, const Reference&
 }
 
 double WordDistance(const Polygon& a, const Polygon& b) {
-  SOFFIT_EXPECT(IsUsable(a) && IsUsable(b));
+  SOFFIT_EXPECT(IsUsable({a}) && IsUsable({b}));
   const auto spell = [](const Polygon& p) { return Spell(p.outer, kWordTolerance * std::sqrt(Area(p))); };
   const std::vector<WordAlignment> alignments = AlignWords(spell(a), spell(b));
   return alignments.empty() ? 1.0 : alignments.front().cost;

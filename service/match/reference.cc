@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "service/match/match.h"
 #include "service/outline/region.h"
@@ -8,7 +9,10 @@
 namespace soffit {
 namespace {
 
-constexpr double kTolerance_px = 1.2;
+constexpr double kTolerance_px = 1.2;       ///< For a clean bitmap.
+constexpr double kMaxToleranceRatio = 0.12;  ///< Of the square root of the area.
+constexpr double kCorrelation_px = 4.0;      ///< Pixels along a boundary that err alike.
+constexpr double kPixelVariance = 1.0 / 12.0;
 constexpr double kMinShareOfLargest = 0.02;  ///< Smaller shapes are specks.
 constexpr std::size_t kMaxReferenceShapes = 64;
 
@@ -17,22 +21,47 @@ void Reflect(Ring& ring) {
   std::reverse(ring.begin(), ring.end());
 }
 
+/// The fit with the tolerance that fits the boundary's roughness: of a rough one every tooth would become a side, of a
+/// clean one real sides would be smoothed away. Bayesian information criterion (G. Schwarz, "Estimating the dimension
+/// of a model", Annals of Statistics 6(2), 1978).
+FittedRing FitRoughRing(const Ring& boundary) {
+  const double perimeter_px = Perimeter(boundary);
+  const double greatest_px = kMaxToleranceRatio * std::sqrt(std::abs(SignedArea(boundary)));
+  const double independent = std::max(8.0, perimeter_px / kCorrelation_px);
+  FittedRing best;
+  double least = std::numeric_limits<double>::infinity();
+  for (double tolerance_px = kTolerance_px; tolerance_px == kTolerance_px || tolerance_px <= greatest_px;
+       tolerance_px *= 1.4) {
+    FittedRing fitted = FitRing(boundary, 1.0, tolerance_px);
+    if (fitted.ring.empty()) continue;
+    const double variance = fitted.roughness * fitted.roughness + kPixelVariance;
+    const double sides = static_cast<double>(fitted.ring.size());
+    const double criterion = independent * std::log(variance) + 2.0 * sides * std::log(independent);
+    if (criterion < least) {
+      least = criterion;
+      best = std::move(fitted);
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
-std::vector<Polygon> ReadShapes(const cv::Mat1b& bitmap, double min_area_px) {
+std::vector<TracedShape> ReadShapes(const cv::Mat1b& bitmap, double min_area_px) {
   cv::Mat1b black;
   cv::compare(bitmap, 128.0, black, cv::CMP_LT);
-  std::vector<Polygon> shapes;
+  std::vector<TracedShape> shapes;
   for (const Region& region : TraceRegions(black, min_area_px)) {
     const Polygon& boundary = region.boundary;
-    Polygon shape{FitRing(boundary.outer, 1.0, kTolerance_px).ring, {}};
-    if (shape.outer.empty()) continue;
-    for (const Ring& hole : boundary.holes) {
-      Ring fitted = FitRing(hole, 1.0, kTolerance_px).ring;
-      if (!fitted.empty()) shape.holes.push_back(std::move(fitted));
+    FittedRing outer = FitRoughRing(boundary.outer);
+    if (outer.ring.empty()) continue;
+    TracedShape shape{{std::move(outer.ring), {}}, outer.roughness};
+    for (const Ring& boundary_of_hole : boundary.holes) {
+      FittedRing hole = FitRoughRing(boundary_of_hole);
+      if (!hole.ring.empty()) shape.polygon.holes.push_back(std::move(hole.ring));
     }
-    Reflect(shape.outer);
-    std::for_each(shape.holes.begin(), shape.holes.end(), Reflect);
+    Reflect(shape.polygon.outer);
+    std::for_each(shape.polygon.holes.begin(), shape.polygon.holes.end(), Reflect);
     shapes.push_back(std::move(shape));
   }
   return shapes;
@@ -42,14 +71,14 @@ Result<Reference> ReadReference(const cv::Mat1b& bitmap) {
   if (bitmap.empty()) return InvalidInput("the reference has no pixels");
   Reference reference{ReadShapes(bitmap, 12.0)};
   if (reference.shapes.empty()) return InvalidInput("the reference shows no black shape on white");
-  const double largest = Area(reference.shapes.front());
+  const double largest = Area(reference.shapes.front().polygon);
   if (largest > 0.98 * static_cast<double>(bitmap.total())) {
     return InvalidInput("the reference is all black: it should show black shapes on white");
   }
-  std::erase_if(reference.shapes, [&](const Polygon& p) { return Area(p) < kMinShareOfLargest * largest; });
+  std::erase_if(reference.shapes, [&](const TracedShape& shape) { return Area(shape.polygon) < kMinShareOfLargest * largest; });
   if (reference.shapes.size() > kMaxReferenceShapes) {
-    return InvalidInput("the reference has " + std::to_string(reference.shapes.size()) + " shapes, more than " +
-                        std::to_string(kMaxReferenceShapes));
+    return InvalidInput("the reference has " + std::to_string(reference.shapes.size()) +
+                        " shapes, more than " + std::to_string(kMaxReferenceShapes));
   }
   return reference;
 }

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kSamples = 128;       ///< On each outline.
+constexpr int kSamples = 128;  ///< On each outline.
 constexpr int kIterations = 25;
 constexpr int kStretches = 16;
 
@@ -87,8 +87,9 @@ Similarity Inverse(const Similarity& s) {
   return inverse;
 }
 
-void AddConstraints(const ShapePair& pair, const std::vector<Sample>& of_source, const std::vector<Sample>& of_target,
-                    const Similarity& similarity, std::vector<Constraint>& constraints) {
+void AddConstraints(const ShapePair& pair, const std::vector<Sample>& of_source,
+                    const std::vector<Sample>& of_target, const Similarity& similarity,
+                    std::vector<Constraint>& constraints) {
   for (const Sample& s : of_source) {
     const Vector2d moved = similarity * s.point;
     const Foot foot = FindFoot({moved, s.is_on_hole}, *pair.second);
@@ -96,7 +97,8 @@ void AddConstraints(const ShapePair& pair, const std::vector<Sample>& of_source,
     constraints.push_back({s.point, foot.point, foot.outward, foot.outward.dot(moved - foot.point)});
   }
   const Similarity inverse = Inverse(similarity);
-  const Similarity turn{similarity.a / similarity.Scale(), similarity.b / similarity.Scale(), Vector2d::Zero()};
+  const Similarity turn{similarity.a / similarity.Scale(), similarity.b / similarity.Scale(),
+                        Vector2d::Zero()};
   for (const Sample& s : of_target) {
     const Foot foot = FindFoot({inverse * s.point, s.is_on_hole}, *pair.first);
     if (!std::isfinite(foot.distance)) continue;
@@ -115,7 +117,8 @@ Similarity Solve(const std::vector<Constraint>& constraints, double reach) {
     const double ratio = c.distance / reach;
     const double weight = 1.0 / (1.0 + ratio * ratio);
     const Vector2d q = c.source - middle;
-    const Eigen::Vector4d row(c.normal.dot(q), c.normal.dot(Vector2d(-q.y(), q.x())), c.normal.x(), c.normal.y());
+    const Eigen::Vector4d row(c.normal.dot(q), c.normal.dot(Vector2d(-q.y(), q.x())), c.normal.x(),
+                              c.normal.y());
     normal_matrix += weight * row * row.transpose();
     right += weight * row * c.normal.dot(c.target);
   }

@@ -25,14 +25,14 @@ Polygon operator*(const Similarity& similarity, const Polygon& polygon);
 /// A shape of the reference and the shape of the map on which it is to be laid.
 using ShapePair = std::pair<const Polygon*, const Polygon*>;
 
-/// Moves the sources onto their targets, all by one similarity: least squares over the distances of the outlines to
-/// each other, both ways, with little weight for what lies far off (iterated closest points, point to line). The
-/// start has to be roughly right.
+/// Moves the sources onto their targets, all by one similarity: least squares over the distances of the
+/// outlines to each other, both ways, with little weight for what lies far off (iterated closest points,
+/// point to line). The start has to be roughly right.
 Similarity RefineSimilarity(const std::vector<ShapePair>& pairs, const Similarity& start);
 
-/// How far two outlines lie apart, after `similarity`, as a share of the square root of the target's area: the greatest
-/// mean distance, to one side, along any stretch of one sixteenth of either outline. Noise averages out in it, a side
-/// that lies elsewhere does not.
+/// How far two outlines lie apart, after `similarity`, as a share of the square root of the target's area:
+/// the greatest mean distance, to one side, along any stretch of one sixteenth of either outline. Noise
+/// averages out in it, a side that lies elsewhere does not.
 double Misfit(const ShapePair& pair, const Similarity& similarity);
 
 }  // namespace soffit

@@ -14,11 +14,11 @@ namespace {
 using Eigen::Vector2d;
 using std::numbers::pi;
 
-constexpr double kTurnPrice = 0.08;     ///< Of half a turn, in perimeters.
-constexpr double kMissingPrice = 1.0;   ///< Per length of a missing side.
+constexpr double kTurnPrice = 0.08;    ///< Of half a turn, in perimeters.
+constexpr double kMissingPrice = 1.0;  ///< Per length of a missing side.
 constexpr double kMergePrice = 0.01;
 constexpr std::size_t kMaxMerged = 3;
-constexpr std::size_t kMaxSides = 64;   ///< Longer words are not compared side by side.
+constexpr std::size_t kMaxSides = 64;  ///< Longer words are not compared side by side.
 
 double WrapAngle(double angle) { return std::remainder(angle, 2.0 * pi); }
 
@@ -60,7 +60,7 @@ Merged MergeAll(const Word& word) {
 
 struct Cell {
   double cost = std::numeric_limits<double>::infinity();
-  double sine = 0.0;    ///< Of heading differences, weighted by length.
+  double sine = 0.0;  ///< Of heading differences, weighted by length.
   double cosine = 0.0;
 };
 
@@ -86,9 +86,8 @@ WordAlignment AlignFrom(const Word& a, const Merged& merged_a, const Word& b, co
           if (p > 1 && q > 1) continue;
           const Primitive& side_a = merged_a[p - 1][i];
           const Primitive& side_b = merged_b[q - 1][at_b];
-          const double merging = p + q == 2 ? 0.0
-                                            : kMergePrice + kTurnPrice * 0.5 *
-                                                                (BendOf(a, i, p) + BendOf(b, at_b, q)) / pi;
+          const double merging =
+              p + q == 2 ? 0.0 : kMergePrice + kTurnPrice * 0.5 * (BendOf(a, i, p) + BendOf(b, at_b, q)) / pi;
           const double weight = std::min(side_a.length, side_b.length);
           const double angle = side_b.heading_rad - side_a.heading_rad;
           relax(cell(i + p, j + q), from.cost + PriceOf(side_a, side_b) + merging,
@@ -105,7 +104,8 @@ WordAlignment AlignFrom(const Word& a, const Merged& merged_a, const Word& b, co
 
 Word Spell(const Ring& ring, double tolerance) {
   Ring sides = ring;
-  if (const FittedRing fitted = FitRing(ring, 0.5 * tolerance, tolerance); !fitted.ring.empty()) sides = fitted.ring;
+  if (const FittedRing fitted = FitRing(ring, 0.5 * tolerance, tolerance); !fitted.ring.empty())
+    sides = fitted.ring;
   Word word;
   const double perimeter = Perimeter(sides);
   for (std::size_t i = 0; i < sides.size(); ++i) {

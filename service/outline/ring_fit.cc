@@ -11,10 +11,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kSidePrice = 25.0;           ///< In squared standard deviations.
+constexpr double kSidePrice = 25.0;  ///< In squared standard deviations.
 constexpr double kTolerancePerSigma = 2.5;
 constexpr std::size_t kMaxCandidates = 400;
-constexpr double kTrimRatio = 0.12;           ///< Of a side at each end: the median filter rounds corners off.
+constexpr double kTrimRatio = 0.12;  ///< Of a side at each end: the median filter rounds corners off.
 constexpr double kMinCornerSine = 0.12;
 
 /// Middles of equal steps along the boundary: they scatter evenly about the true side of a staircase.
@@ -62,7 +62,8 @@ class LineFitter {
     const double yy = b.yy - a.yy - n * mean.y() * mean.y();
     const double spread = std::hypot(xx - yy, 2.0 * xy);
     const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
-    Line line{mean + origin_, Vector2d(std::cos(angle), std::sin(angle)), std::max(0.0, 0.5 * (xx + yy - spread)), n};
+    Line line{mean + origin_, Vector2d(std::cos(angle), std::sin(angle)),
+              std::max(0.0, 0.5 * (xx + yy - spread)), n};
     const Vector2d along = points_[to % points_.size()] - points_[from % points_.size()];
     if (line.direction.dot(along) < 0.0) line.direction = -line.direction;
     return line;
@@ -134,8 +135,8 @@ std::vector<std::size_t> FindCandidates(const std::vector<Vector2d>& points, dou
 }
 
 /// The cheapest chain of sides from the first candidate round to itself.
-std::vector<std::size_t> ChooseBreakpoints(const LineFitter& fitter, const std::vector<std::size_t>& candidates,
-                                           double sigma) {
+std::vector<std::size_t> ChooseBreakpoints(const LineFitter& fitter,
+                                           const std::vector<std::size_t>& candidates, double sigma) {
   std::vector<double> price(candidates.size(), std::numeric_limits<double>::infinity());
   std::vector<std::size_t> previous(candidates.size(), 0);
   price[0] = 0.0;
@@ -179,8 +180,8 @@ struct FitSide {
   Vector2d start;  ///< The breakpoint before it.
 };
 
-/// Takes out the short sides across corners that a median filter or coarse pixels rounded off: those whose neighbours
-/// meet, when extended, within `reach` of them.
+/// Takes out the short sides across corners that a median filter or coarse pixels rounded off: those whose
+/// neighbours meet, when extended, within `reach` of them.
 void SharpenCorners(std::vector<FitSide>& sides, double reach) {
   for (std::size_t i = 0; i < sides.size() && sides.size() > 3;) {
     const std::size_t n = sides.size();
@@ -237,6 +238,13 @@ FittedRing FitRing(const Ring& boundary, double step, double tolerance) {
   }
   SharpenCorners(sides, 2.0 * tolerance / step);
   FittedRing fitted;
+  double squares = 0.0;
+  double count = 0.0;
+  for (const FitSide& side : sides) {
+    squares += side.line.squares;
+    count += side.line.count;
+  }
+  fitted.roughness = step * std::sqrt(squares / count);
   for (std::size_t i = 0; i < sides.size(); ++i) {
     const Line& before = sides[(i + sides.size() - 1) % sides.size()].line;
     const Line& after = sides[i].line;

@@ -18,11 +18,11 @@ std::vector<Footprint> MakeVectorMap(const std::vector<Observation>& observation
 /// Only whole shapes can be recognized; `Match::shapes` of the answer index `map`.
 std::vector<Match> Recognize(const std::vector<Footprint>& map, const Reference& reference, const MatchOptions& options) {
   std::vector<std::size_t> whole;
-  std::vector<Polygon> shapes;
+  std::vector<TracedShape> shapes;
   for (std::size_t i = 0; i < map.size(); ++i) {
     if (map[i].is_cut) continue;
     whole.push_back(i);
-    shapes.push_back(map[i].polygon_in_map_m);
+    shapes.push_back({map[i].polygon_in_map_m});
   }
   std::vector<Match> matches = FindMatches(shapes, reference, options);
   for (Match& match : matches) {

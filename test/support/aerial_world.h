@@ -61,14 +61,19 @@ inline Mask Photograph(const View& view, const std::vector<Block>& blocks) {
       const Eigen::Vector2d& a = block.ring_in_map_m[i];
       const Eigen::Vector2d& b = block.ring_in_map_m[(i + 1) % n];
       roof.emplace_back(a.x(), a.y(), block.height_m);
-      FillFace(mask.label, view, {{a.x(), a.y(), 0}, {b.x(), b.y(), 0}, {b.x(), b.y(), block.height_m}, {a.x(), a.y(), block.height_m}});
+      FillFace(mask.label, view,
+               {{a.x(), a.y(), 0},
+                {b.x(), b.y(), 0},
+                {b.x(), b.y(), block.height_m},
+                {a.x(), a.y(), block.height_m}});
     }
     FillFace(mask.label, view, roof);
   }
   return mask;
 }
 
-inline std::vector<Footprint> TraceBlocks(const View& view, std::uint32_t capture_id, const std::vector<Block>& blocks) {
+inline std::vector<Footprint> TraceBlocks(const View& view, std::uint32_t capture_id,
+                                          const std::vector<Block>& blocks) {
   const Mask mask = Photograph(view, blocks);
   Image image;
   image.capture_id = capture_id;

@@ -25,7 +25,7 @@ struct RecognizeArguments {
 };
 
 struct Recognition {
-  std::vector<Polygon> shapes;  ///< Of the big map, y-up.
+  std::vector<TracedShape> shapes;  ///< Of the big map, y-up.
   std::vector<Match> matches;
 };
 
@@ -52,7 +52,7 @@ Json ToJson(const Recognition& recognition) {
     Json rotations = Json::array();
     for (const double rotation : match.equivalent_rotations_cw_rad) rotations.push_back(Degrees(rotation));
     for (const std::size_t shape : match.shapes) {
-      const Eigen::Vector2d centroid = Centroid(recognition.shapes[shape]);
+      const Eigen::Vector2d centroid = Centroid(recognition.shapes[shape].polygon);
       entries.push_back({{"shape_centroid_px", {centroid.x(), -centroid.y()}},
                          {"scale", match.scale},
                          {"rotation_cw_deg", Degrees(match.rotation_cw_rad)},

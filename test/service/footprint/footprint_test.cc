@@ -143,14 +143,15 @@ TEST(Straighten, KeepsACourtyard) {
   const double k = 850.0 / 10.0;
   const auto square = [&](double half, bool reversed) {
     Ring ring;
-    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) ring.emplace_back(635.2 + x * half * k, 483.1 + y * half * k);
+    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+      ring.emplace_back(635.2 + x * half * k, 483.1 + y * half * k);
     if (reversed) std::reverse(ring.begin(), ring.end());
     return ring;
   };
   silhouette.outline.polygon_px = {square(2.5, false), {square(1.0, true)}};
   const Polygon straight = lean::Straighten(silhouette, 2.0);
   ASSERT_THAT(straight.holes, SizeIs(1));
-  EXPECT_NEAR(SignedArea(straight.outer), 16.0, 0.01);  // Roof edges shrink by 8 / 10.
+  EXPECT_NEAR(SignedArea(straight.outer), 16.0, 0.01);     // Roof edges shrink by 8 / 10.
   EXPECT_NEAR(SignedArea(straight.holes[0]), -4.0, 0.01);  // The court's base is seen itself.
 }
 

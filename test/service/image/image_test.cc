@@ -17,7 +17,8 @@ using Bytes = std::vector<std::uint8_t>;
 
 cv::Mat3b Pattern(int width, int height) {
   cv::Mat3b picture(height, width, cv::Vec3b(40, 90, 160));
-  cv::rectangle(picture, cv::Rect(width / 4, height / 4, width / 2, height / 2), cv::Scalar(200, 30, 20), cv::FILLED);
+  cv::rectangle(picture, cv::Rect(width / 4, height / 4, width / 2, height / 2), cv::Scalar(200, 30, 20),
+                cv::FILLED);
   return picture;
 }
 
@@ -78,7 +79,8 @@ TEST(DecodeImage, RefusesEveryTruncation) {
   for (const char* extension : {".jpg", ".png"}) {
     const Bytes whole = Encode(extension, Pattern(64, 48));
     for (std::size_t length = 0; length < whole.size(); length += 7) {
-      EXPECT_NE(ErrorOf(CaptureOf(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)))), "");
+      EXPECT_NE(ErrorOf(CaptureOf(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)))),
+                "");
     }
   }
 }
@@ -156,8 +158,10 @@ TEST(DecodeImage, TakesTheDistortionOut) {
   const auto& d = capture.intrinsics.distortion;
   const double r2 = x * x + y * y;
   const double radial = 1 + r2 * (d[0] + r2 * d[1]);
-  const double u = 500.0 * (x * radial + 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x)) + capture.intrinsics.cx_px;
-  const double v = 500.0 * (y * radial + d[2] * (r2 + 2 * y * y) + 2 * d[3] * x * y) + capture.intrinsics.cy_px;
+  const double u =
+      500.0 * (x * radial + 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x)) + capture.intrinsics.cx_px;
+  const double v =
+      500.0 * (y * radial + d[2] * (r2 + 2 * y * y) + 2 * d[3] * x * y) + capture.intrinsics.cy_px;
   cv::Mat3b picture(480, 640, cv::Vec3b(0, 0, 0));
   cv::circle(picture, cv::Point(static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v))), 4,
              cv::Scalar(255, 255, 255), cv::FILLED);

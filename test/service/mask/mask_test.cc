@@ -70,7 +70,8 @@ TEST(SegmentBuildings, DoesNotPartALitRoofFromAShadedWall) {
 }
 
 TEST(SegmentBuildings, TakesNeitherSkyNorOchreGroundForBuildings) {
-  for (const cv::Scalar& background : {kSky, kOchre, kGrass, kAsphalt, cv::Scalar(255, 255, 255), cv::Scalar(0, 0, 0)}) {
+  for (const cv::Scalar& background :
+       {kSky, kOchre, kGrass, kAsphalt, cv::Scalar(255, 255, 255), cv::Scalar(0, 0, 0)}) {
     const Mask mask = SegmentBuildings(Scene(background, background), {});
     EXPECT_EQ(cv::countNonZero(mask.label), 0) << background;
   }
@@ -97,7 +98,8 @@ TEST(SegmentBuildings, IsSureOfColoursFarFromTheGround) {
 TEST(SegmentBuildings, LabelsInTheOrderOfTheOptions) {
   MaskOptions options;
   options.colors = {"magenta", "green"};
-  EXPECT_THAT(SegmentBuildings(Scene(kAsphalt, {200, 20, 200}), options).classes, ElementsAre("magenta", "green"));
+  EXPECT_THAT(SegmentBuildings(Scene(kAsphalt, {200, 20, 200}), options).classes,
+              ElementsAre("magenta", "green"));
   EXPECT_GT(Rate(Scene(kAsphalt, {200, 20, 200}), 1, options).right, 0.98);
   EXPECT_GT(Rate(Scene(kAsphalt, {40, 190, 40}), 2, options).right, 0.98);
 }
@@ -114,7 +116,8 @@ TEST(SegmentBuildings, RefusesUnknownColoursAndEvenMedians) {
 
 TEST(SegmentBuildings, GivesTheSameForTheSame) {
   const Image image = Scene(kGrass, {170, 60, 45});
-  EXPECT_EQ(cv::norm(SegmentBuildings(image, {}).label, SegmentBuildings(image, {}).label, cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(SegmentBuildings(image, {}).label, SegmentBuildings(image, {}).label, cv::NORM_INF),
+            0.0);
 }
 
 }  // namespace

@@ -30,7 +30,11 @@ Similarity Laid(double scale, double rotation_cw_rad, double x, double y) {
   return {scale * std::cos(-rotation_cw_rad), scale * std::sin(-rotation_cw_rad), {x, y}};
 }
 
-Polygon Shape(const Ring& ring) { return {ring, {}}; }
+/// A perfectly drawn shape.
+struct Shape : TracedShape {
+  Shape(const Ring& ring) : TracedShape{{ring, {}}, 0.0} {}              // NOLINT(google-explicit-constructor)
+  Shape(const Polygon& drawn) : TracedShape{drawn, 0.0} {}               // NOLINT(google-explicit-constructor)
+};
 
 TEST(FindMatches, FindsScaleClockwiseRotationAndPlace) {
   const std::vector<Polygon> map = {Laid(2.0, 1.0, 300, 10) * Shape(kT), Laid(0.7, 2.2, -50, 80) * Shape(kL)};
@@ -66,7 +70,8 @@ TEST(FindMatches, RejectsNearTwins) {
   longer[4].y() = longer[5].y() = 36;  // One wing is a fifth longer.
   Ring thicker = kL;
   thicker[2].y() = thicker[3].y() = 19;
-  for (const Ring& twin : {longer, thicker}) EXPECT_THAT(FindMatches({Shape(twin)}, {{Shape(kL)}}, {}), IsEmpty());
+  for (const Ring& twin : {longer, thicker})
+    EXPECT_THAT(FindMatches({Shape(twin)}, {{Shape(kL)}}, {}), IsEmpty());
 }
 
 TEST(FindMatches, ListsAllRotationsOfASymmetricShape) {
@@ -80,7 +85,8 @@ TEST(FindMatches, ListsAllRotationsOfASymmetricShape) {
 }
 
 TEST(FindMatches, MarksSeveralPlacesAsAmbiguous) {
-  const auto matches = FindMatches({Shape(kL), Laid(2.0, 1.0, 200, 0) * Shape(kL), Shape(kT)}, {{Shape(kL)}}, {});
+  const auto matches =
+      FindMatches({Shape(kL), Laid(2.0, 1.0, 200, 0) * Shape(kL), Shape(kT)}, {{Shape(kL)}}, {});
   ASSERT_THAT(matches, SizeIs(2));
   EXPECT_TRUE(matches[0].is_ambiguous);
   EXPECT_TRUE(matches[1].is_ambiguous);
@@ -105,7 +111,8 @@ TEST(FindMatches, FindsAGroupAmongIdenticalBoxes) {
                                       Laid(1, 1.3, 20, 90) * Shape(kBox)};
   const Similarity place = Laid(0.4, 2.0, 500, 300);
   std::vector<Polygon> map;
-  for (int i = 0; i < 20; ++i) map.push_back(Laid(0.4, i * 0.7, 60.0 * (i % 5), 60.0 * (i / 5)) * Shape(kBox));
+  for (int i = 0; i < 20; ++i)
+    map.push_back(Laid(0.4, i * 0.7, 60.0 * (i % 5), 60.0 * (i / 5)) * Shape(kBox));
   for (const Polygon& shape : group) map.push_back(place * shape);
   const auto matches = FindMatches(map, {group}, {});
   ASSERT_THAT(matches, SizeIs(1));
@@ -180,7 +187,8 @@ cv::Mat1b Bitmap(const std::vector<Ring>& shapes, cv::Size size) {
   cv::Mat1b bitmap(size, uchar{255});
   for (const Ring& ring : shapes) {
     std::vector<cv::Point> corners;
-    for (const Eigen::Vector2d& p : ring) corners.emplace_back(static_cast<int>(p.x()), static_cast<int>(p.y()));
+    for (const Eigen::Vector2d& p : ring)
+      corners.emplace_back(static_cast<int>(p.x()), static_cast<int>(p.y()));
     cv::fillPoly(bitmap, std::vector<std::vector<cv::Point>>{corners}, cv::Scalar(0));
   }
   return bitmap;

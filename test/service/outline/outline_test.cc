@@ -67,7 +67,8 @@ TEST(TraceOutlines, HasNoHalfPixelBias) {
   const auto outlines = Trace(label);
   ASSERT_THAT(outlines, SizeIs(1));
   EXPECT_EQ(outlines[0].color, "blue");
-  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(19.5, 29.5), {59.5, 29.5}, {59.5, 79.5}, {19.5, 79.5}}) {
+  for (const Eigen::Vector2d& corner :
+       {Eigen::Vector2d(19.5, 29.5), {59.5, 29.5}, {59.5, 79.5}, {19.5, 79.5}}) {
     EXPECT_LT(DistanceToNearest(corner, outlines[0].polygon_px.outer), 1e-9);
   }
   EXPECT_GT(SignedArea(outlines[0].polygon_px.outer), 0.0);
@@ -99,7 +100,8 @@ TEST(TraceOutlines, DrawsACircleAsManySidesWithinTolerance) {
   cv::Mat1b label(300, 300, uchar{0});
   const Eigen::Vector2d center(150, 150);
   for (int row = 0; row < 300; ++row) {
-    for (int col = 0; col < 300; ++col) label(row, col) = (Eigen::Vector2d(col, row) - center).norm() < 120 ? 1 : 0;
+    for (int col = 0; col < 300; ++col)
+      label(row, col) = (Eigen::Vector2d(col, row) - center).norm() < 120 ? 1 : 0;
   }
   const auto outlines = Trace(label);
   ASSERT_THAT(outlines, SizeIs(1));
@@ -145,7 +147,8 @@ TEST(TraceOutlines, EveryRingOfAJaggedBlobIsSimple) {
   cv::RNG random(7);
   cv::Mat1b label(300, 300, uchar{0});
   for (int i = 0; i < 60; ++i) {
-    cv::circle(label, {random.uniform(60, 240), random.uniform(60, 240)}, random.uniform(3, 25), cv::Scalar(i % 3 ? 1 : 0), -1);
+    cv::circle(label, {random.uniform(60, 240), random.uniform(60, 240)}, random.uniform(3, 25),
+               cv::Scalar(i % 3 ? 1 : 0), -1);
   }
   const auto outlines = Trace(label);
   EXPECT_FALSE(outlines.empty());
