@@ -42,8 +42,8 @@ struct Match {
 };
 
 struct MatchOptions {
-  double min_score = 0.85;
-  double ambiguity_margin = 0.03;
+  double min_score = 0.80;
+  double ambiguity_margin = 0.10;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& field) {

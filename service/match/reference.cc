@@ -9,7 +9,7 @@
 namespace soffit {
 namespace {
 
-constexpr double kTolerance_px = 1.2;       ///< For a clean bitmap.
+constexpr double kTolerance_px = 1.2;        ///< Of a clean bitmap.
 constexpr double kMaxToleranceRatio = 0.12;  ///< Of the square root of the area.
 constexpr double kCorrelation_px = 4.0;      ///< Pixels along a boundary that err alike.
 constexpr double kPixelVariance = 1.0 / 12.0;
@@ -21,28 +21,27 @@ void Reflect(Ring& ring) {
   std::reverse(ring.begin(), ring.end());
 }
 
-/// The fit with the tolerance that fits the boundary's roughness: of a rough one every tooth would become a side, of a
-/// clean one real sides would be smoothed away. Bayesian information criterion (G. Schwarz, "Estimating the dimension
-/// of a model", Annals of Statistics 6(2), 1978).
-FittedRing FitRoughRing(const Ring& boundary) {
-  const double perimeter_px = Perimeter(boundary);
+/// How far a boundary scatters about the polygon that explains it best: of a rough one not every tooth is a
+/// side, of a clean one no side is noise. Bayesian information criterion over tolerances (G. Schwarz,
+/// "Estimating the dimension of a model", Annals of Statistics 6(2), 1978).
+double MeasureRoughness(const Ring& boundary) {
   const double greatest_px = kMaxToleranceRatio * std::sqrt(std::abs(SignedArea(boundary)));
-  const double independent = std::max(8.0, perimeter_px / kCorrelation_px);
-  FittedRing best;
+  const double independent = std::max(8.0, Perimeter(boundary) / kCorrelation_px);
+  double roughness = 0.0;
   double least = std::numeric_limits<double>::infinity();
-  for (double tolerance_px = kTolerance_px; tolerance_px == kTolerance_px || tolerance_px <= greatest_px;
+  for (double tolerance_px = kTolerance_px; tolerance_px <= std::max(kTolerance_px, greatest_px);
        tolerance_px *= 1.4) {
-    FittedRing fitted = FitRing(boundary, 1.0, tolerance_px);
+    const FittedRing fitted = FitRing(boundary, 1.0, tolerance_px);
     if (fitted.ring.empty()) continue;
     const double variance = fitted.roughness * fitted.roughness + kPixelVariance;
     const double sides = static_cast<double>(fitted.ring.size());
     const double criterion = independent * std::log(variance) + 2.0 * sides * std::log(independent);
     if (criterion < least) {
       least = criterion;
-      best = std::move(fitted);
+      roughness = fitted.roughness;
     }
   }
-  return best;
+  return roughness;
 }
 
 }  // namespace
@@ -53,11 +52,11 @@ std::vector<TracedShape> ReadShapes(const cv::Mat1b& bitmap, double min_area_px)
   std::vector<TracedShape> shapes;
   for (const Region& region : TraceRegions(black, min_area_px)) {
     const Polygon& boundary = region.boundary;
-    FittedRing outer = FitRoughRing(boundary.outer);
+    FittedRing outer = FitRing(boundary.outer, 1.0, kTolerance_px);
     if (outer.ring.empty()) continue;
-    TracedShape shape{{std::move(outer.ring), {}}, outer.roughness};
+    TracedShape shape{{std::move(outer.ring), {}}, MeasureRoughness(boundary.outer)};
     for (const Ring& boundary_of_hole : boundary.holes) {
-      FittedRing hole = FitRoughRing(boundary_of_hole);
+      FittedRing hole = FitRing(boundary_of_hole, 1.0, kTolerance_px);
       if (!hole.ring.empty()) shape.polygon.holes.push_back(std::move(hole.ring));
     }
     Reflect(shape.polygon.outer);
@@ -75,7 +74,8 @@ Result<Reference> ReadReference(const cv::Mat1b& bitmap) {
   if (largest > 0.98 * static_cast<double>(bitmap.total())) {
     return InvalidInput("the reference is all black: it should show black shapes on white");
   }
-  std::erase_if(reference.shapes, [&](const TracedShape& shape) { return Area(shape.polygon) < kMinShareOfLargest * largest; });
+  std::erase_if(reference.shapes,
+                [&](const TracedShape& shape) { return Area(shape.polygon) < kMinShareOfLargest * largest; });
   if (reference.shapes.size() > kMaxReferenceShapes) {
     return InvalidInput("the reference has " + std::to_string(reference.shapes.size()) +
                         " shapes, more than " + std::to_string(kMaxReferenceShapes));
