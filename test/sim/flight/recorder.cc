@@ -7,7 +7,6 @@
 namespace soffit::sim {
 namespace {
 
-constexpr double kFlying_m = 1.0;
 constexpr double kHardLanding_mps = 1.5;
 constexpr double kOtherSide_rad = 0.5;
 constexpr double kSamePassage_m = 0.5;
@@ -88,7 +87,7 @@ bool FlightRecorder::Add(const Moment& moment) {
       moment.is_on_ground && !last_.is_on_ground && moment.touchdown_speed_mps > kHardLanding_mps;
   last_ = moment;
   greatest_height_m_ = std::max(greatest_height_m_, moment.position_m.z());
-  has_flown_ = has_flown_ || moment.position_m.z() > kFlying_m;
+  has_flown_ = has_flown_ || !moment.is_on_ground;
 
   const auto nearest = space_.DistanceToBodies(VehicleAt(moment.position_m), kFarthest_m);
   if (has_flown_ && (least_distance_m_ < 0.0 || nearest.distance_m < least_distance_m_)) {
@@ -130,7 +129,9 @@ void FlightRecorder::Watch(Watched& watched, const Moment& moment, double distan
   const double turn_rad = std::remainder(NearestSideYaw(watched.truth, flight.exit_m.head<2>()) -
                                              NearestSideYaw(watched.truth, flight.entry_m.head<2>()),
                                          2.0 * M_PI);
-  if (watched.has_roof_above && std::abs(turn_rad) > kOtherSide_rad) flights_under_.push_back(flight);
+  const bool is_whole = contacts_.empty();  // A wreck does not fly.
+  if (is_whole && watched.has_roof_above && std::abs(turn_rad) > kOtherSide_rad)
+    flights_under_.push_back(flight);
   watched.inside.reset();
 }
 

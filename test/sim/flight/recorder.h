@@ -13,7 +13,8 @@
 
 namespace soffit::sim {
 
-/// One flight under a building: in over one side of its footprint, below its roof, and out over another.
+/// One flight under a building: in over one side of its footprint, below its roof, and out over another,
+/// without having touched anything.
 struct FlightUnder {
   std::string object;
   bool is_wanted = false;

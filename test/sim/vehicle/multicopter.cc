@@ -8,6 +8,11 @@ namespace soffit::sim {
 Multicopter::Multicopter(const BodyState& start, const Airframe& airframe)
     : airframe_(airframe), state_(start) {}
 
+void Multicopter::Break() {
+  is_broken_ = true;
+  state_.velocity_mps.setZero();
+}
+
 void Multicopter::Step(const MotorCommand& command, const Eigen::Vector3d& wind_mps, double dt_s) {
   const bool has_power = command.motors_on && !is_broken_ && state_.battery_ratio > 0.0;
   const double wanted_mps2 =

@@ -45,8 +45,8 @@ class Multicopter {
   /// One step of 1 to 10 ms. `wind_mps` is the velocity of the air in the map.
   void Step(const MotorCommand& command, const Eigen::Vector3d& wind_mps, double dt_s);
 
-  /// From now on it falls: something broke.
-  void Break() { is_broken_ = true; }
+  /// It is stopped where it is, and from now on it falls: something broke.
+  void Break();
   void SetBattery(double ratio) { state_.battery_ratio = ratio; }
 
   const BodyState& state() const { return state_; }
