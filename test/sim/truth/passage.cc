@@ -49,6 +49,12 @@ Points Clip(const Points& polygon, const Axis& axis, double least) {
   return kept;
 }
 
+/// From the building to where the vehicle's centre enters and leaves the line.
+double Approach_m(const VehicleEnvelope& vehicle) {
+  const double clearance_m = vehicle.radius_m + vehicle.safety_margin_m;
+  return clearance_m + std::max(1.0, 0.5 * clearance_m);
+}
+
 /// Everything within a slab of space, seen along the direction of flight.
 class Section {
  public:
@@ -61,9 +67,8 @@ class Section {
         top_m_ = std::max(top_m_, p.z());
       }
     }
-    const double clearance_m = site.vehicle.radius_m + site.vehicle.safety_margin_m;
-    approach_m_ = clearance_m + std::max(1.0, 0.5 * clearance_m);
-    const double slack_m = approach_m_ + clearance_m;
+    approach_m_ = Approach_m(site.vehicle);
+    const double slack_m = approach_m_ + site.vehicle.radius_m + site.vehicle.safety_margin_m;
     for (const Triangle& triangle : site.all) {
       std::vector<Vector3d> part(triangle.begin(), triangle.end());
       part = Clip(part, along_, reach_.low - slack_m);
@@ -257,10 +262,32 @@ bool IsNearlyTheSame(const Passage& a, const Passage& b, const VehicleEnvelope& 
          apart.head<2>().norm() < vehicle.NeededWidth_m() && std::abs(apart.z()) < vehicle.NeededHeight_m();
 }
 
+/// Leaves out what no line through the building comes near.
+Site WithoutFarThings(const Site& site) {
+  Vector3d low = site.building[0][0], high = low;
+  for (const Triangle& triangle : site.building) {
+    for (const Vector3d& p : triangle) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  }
+  const Vector2d middle = (low + high).head<2>() / 2.0;
+  const double reach_m = (high - low).head<2>().norm() + 2.0 * Approach_m(site.vehicle);
+  Site near = site;
+  std::erase_if(near.all, [&](const Triangle& triangle) {
+    const Vector3d center = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+    double radius_m = 0.0;
+    for (const Vector3d& p : triangle) radius_m = std::max(radius_m, (p - center).norm());
+    return (center.head<2>() - middle).norm() > reach_m + radius_m;
+  });
+  return near;
+}
+
 }  // namespace
 
-std::vector<Passage> FindPassages(const Site& site) {
-  if (site.building.empty()) return {};
+std::vector<Passage> FindPassages(const Site& whole_site) {
+  if (whole_site.building.empty()) return {};
+  const Site site = WithoutFarThings(whole_site);
   std::vector<Passage> found;
   for (const double yaw : ListDirections(site.footprint)) {
     for (const Passage& passage : FindAlong(site, yaw)) found.push_back(passage);

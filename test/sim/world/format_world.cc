@@ -150,6 +150,7 @@ void PutMission(YAML::Emitter& out, const MissionPlan& mission) {
   Put(out, "reference_m_per_px", mission.reference_m_per_px);
   Put(out, "reference_rotation_cw_deg", mission.reference_rotation_cw_rad / kDeg);
   Put(out, "area_center", mission.area_center_m);
+  Put(out, "overview_altitude_m", mission.overview_altitude_m);
   out << YAML::EndMap;
 }
 

@@ -190,7 +190,7 @@ VehicleEnvelope ReadVehicle(const YamlReader& in) {
 }
 
 MissionPlan ReadMission(const YamlReader& in, const std::vector<Structure>& buildings) {
-  in.AllowKeys({"wanted", "reference_m_per_px", "reference_rotation_cw_deg", "area_center"});
+  in.AllowKeys({"wanted", "reference_m_per_px", "reference_rotation_cw_deg", "area_center", "overview_altitude_m"});
   MissionPlan mission;
   for (const YamlReader& id : in.At("wanted").Items()) {
     mission.wanted.push_back(id.Text());
@@ -201,6 +201,7 @@ MissionPlan ReadMission(const YamlReader& in, const std::vector<Structure>& buil
   mission.reference_m_per_px = in.Number("reference_m_per_px", mission.reference_m_per_px, {1e-4, 100.0});
   mission.reference_rotation_cw_rad = in.Number("reference_rotation_cw_deg", 0.0, {-360.0, 360.0}) * kDeg;
   mission.area_center_m = in.Vector2("area_center", mission.area_center_m);
+  mission.overview_altitude_m = in.Number("overview_altitude_m", mission.overview_altitude_m, {1.0, 500.0});
   return mission;
 }
 

@@ -102,7 +102,8 @@ struct MissionPlan {
   std::vector<std::string> wanted;     ///< Ids of buildings.
   double reference_m_per_px = 0.025;
   double reference_rotation_cw_rad = 0.0;  ///< The reference, north up, has to be turned clockwise by this to lie like the buildings.
-  Eigen::Vector2d area_center_m = Eigen::Vector2d::Zero();  ///< Over which the overview is taken.
+  Eigen::Vector2d area_center_m = Eigen::Vector2d::Zero();  ///< Over which the overview is taken: home.
+  double overview_altitude_m = 9.0;    ///< From which the whole area is seen.
 };
 
 /// Everything that is there, in the map frame: ENU metres, the origin is the vehicle's home on flat ground at z = 0.
