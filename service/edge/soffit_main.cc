@@ -9,6 +9,7 @@ int main(int argc, char** argv) try {
                "soffit");
   soffit::AddAnalyzeCommand(app);
   soffit::AddRecognizeCommand(app);
+  soffit::AddReportCommand(app);
   app.require_subcommand(1);
   try {
     app.parse(argc, argv);

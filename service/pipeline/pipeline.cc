@@ -9,6 +9,23 @@ namespace {
 
 bool IsFromAbove(Purpose purpose) { return purpose == Purpose::kOverview || purpose == Purpose::kTop; }
 
+struct HorizontalViews {
+  std::vector<Image> images;
+  std::vector<Mask> masks;
+  std::vector<Sight> sights;
+};
+
+HorizontalViews CollectHorizontalViews(const std::vector<Observation>& observations) {
+  HorizontalViews views;
+  for (const Observation& seen : observations) {
+    if (IsFromAbove(seen.image.purpose)) continue;
+    views.images.push_back(seen.image);
+    views.masks.push_back(seen.mask);
+    views.sights.push_back(seen.sight);
+  }
+  return views;
+}
+
 std::vector<Footprint> MakeVectorMap(const std::vector<Observation>& observations) {
   std::vector<Footprint> map;
   for (const Observation& seen : observations) map = MergeFootprints(map, seen.footprints);
@@ -31,26 +48,51 @@ std::vector<Match> Recognize(const std::vector<Footprint>& map, const Reference&
   return matches;
 }
 
-ClearanceDecision NotModelled(std::uint32_t object_id, const std::string& problem, const VehicleEnvelope& vehicle,
-                              std::uint64_t revision) {
+/// The wanted objects are those of the best match, unless another place fits about as well.
+std::vector<SceneObject> MarkWanted(const std::vector<Footprint>& map, const std::vector<Match>& matches, int neighbours) {
+  std::vector<SceneObject> objects;
+  for (const Footprint& footprint : map) objects.push_back({footprint, false, {}, FindNeighbours(footprint, map, neighbours)});
+  if (matches.empty() || matches.front().is_ambiguous) return objects;
+  for (const std::size_t shape : matches.front().shapes) {
+    objects[shape].is_matched = true;
+    objects[shape].match = matches.front();
+  }
+  return objects;
+}
+
+std::string DescribeRecognition(const std::vector<Match>& matches) {
+  if (matches.empty()) return "the wanted building is not among those that were seen";
+  if (!matches.front().is_ambiguous) return "";
+  return "the wanted building was found in " + std::to_string(matches.size()) +
+         " places that fit about as well: give a reference with its neighbours";
+}
+
+/// The model of a wanted building has what the horizontal pictures show of its walls, that of another one is plain.
+/// A stage that throws has a bug or met a library's failure: the building stays unknown then.
+Result<Solid> ModelObject(const SceneObject& object, const HorizontalViews& views, const PipelineOptions& options,
+                          std::vector<Facade>& facades) try {
+  if (!object.is_matched) return RaiseSolid(object.footprint, {}, options.solid);
+  std::vector<Facade> walls = ReadFacades(object.footprint, views.images, views.masks, views.sights, options.facade);
+  facades.insert(facades.end(), walls.begin(), walls.end());
+  return RaiseSolid(object.footprint, walls, options.solid);
+} catch (const std::exception& failure) {
+  return Error{Error::Code::kInternal, failure.what()};
+}
+
+ClearanceDecision Undecided(std::uint32_t object_id, const std::string& problem, const VehicleEnvelope& vehicle) {
   ClearanceDecision decision;
   decision.object_id = object_id;
-  decision.reason = "no model: " + problem;
+  decision.reason = problem;
   decision.vehicle = vehicle;
-  decision.scene_revision = revision;
   return decision;
 }
 
-std::string NameOf(const Footprint& object) { return "building " + std::to_string(object.object_id); }
-
-/// A stage that throws has a bug or met a library's failure: what it was working on stays unknown.
-template <class Work>
-std::string ProblemOf(Work&& work) {
-  try {
-    return work();
-  } catch (const std::exception& failure) {
-    return failure.what();
-  }
+std::vector<ClearanceDecision> Decide(const Scene& scene, std::uint32_t object_id, const std::vector<Sight>& sights,
+                                      const VehicleEnvelope& vehicle, const PipelineOptions& options) try {
+  const std::vector<Corridor> corridors = PlanCorridors(scene, object_id, vehicle, options.corridor);
+  return JudgeClearance(scene, object_id, corridors, sights, vehicle, options.clearance);
+} catch (const std::exception& failure) {
+  return {Undecided(object_id, failure.what(), vehicle)};
 }
 
 }  // namespace
@@ -75,60 +117,36 @@ Result<Observation> Observe(const Capture& capture, const PipelineOptions& optio
 Understanding Understand(const std::vector<Observation>& observations, const Reference& reference,
                          const VehicleEnvelope& vehicle, std::uint64_t revision, const PipelineOptions& options) {
   Understanding all;
-  std::vector<Image> images;
-  std::vector<Mask> masks;
-  std::vector<Sight> sights;
-  for (const Observation& seen : observations) {
-    if (IsFromAbove(seen.image.purpose)) continue;
-    images.push_back(seen.image);
-    masks.push_back(seen.mask);
-    sights.push_back(seen.sight);
-  }
-
-  const std::vector<Footprint> map = MakeVectorMap(observations);
+  const HorizontalViews views = CollectHorizontalViews(observations);
+  std::vector<Footprint> map = MakeVectorMap(observations);
   all.matches = Recognize(map, reference, options.match);
-  const bool is_found = !all.matches.empty() && !all.matches.front().is_ambiguous;
-  if (all.matches.empty()) all.problems.push_back("the wanted building is not among those that were seen");
-  if (!all.matches.empty() && !is_found) {
-    all.problems.push_back("the wanted building was found in " + std::to_string(all.matches.size()) +
-                           " places that fit about as well: give a reference with its neighbours");
-  }
+  std::vector<SceneObject> objects = MarkWanted(map, all.matches, options.scene.neighbours);
+  if (const std::string problem = DescribeRecognition(all.matches); !problem.empty()) all.problems.push_back(problem);
 
-  std::vector<SceneObject> objects;
   std::vector<Solid> solids;
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    SceneObject object{map[i], false, {}, FindNeighbours(map[i], map, options.scene.neighbours)};
-    if (is_found) {
-      const Match& match = all.matches.front();
-      object.is_matched = std::count(match.shapes.begin(), match.shapes.end(), i) > 0;
-      if (object.is_matched) object.match = match;
+  for (SceneObject& object : objects) {
+    const std::uint32_t id = object.footprint.object_id;
+    Result<Solid> solid = ModelObject(object, views, options, all.facades);
+    if (solid.ok()) {
+      object.footprint = solid.value().footprint;
+      solids.push_back(std::move(solid).value());
+    } else if (object.is_matched) {
+      all.problems.push_back("building " + std::to_string(id) + ": no model: " + solid.error().message);
+      all.decisions.push_back(Undecided(id, "no model: " + solid.error().message, vehicle));
     }
-    if (object.is_matched) {
-      std::string problem = ProblemOf([&]() -> std::string {
-        std::vector<Facade> facades = ReadFacades(map[i], images, masks, sights, options.facade);
-        const Result<Solid> solid = RaiseSolid(map[i], facades, options.solid);
-        all.facades.insert(all.facades.end(), facades.begin(), facades.end());
-        if (!solid.ok()) return solid.error().message;
-        object.footprint = solid.value().footprint;
-        solids.push_back(solid.value());
-        return "";
-      });
-      if (!problem.empty()) {
-        all.problems.push_back(NameOf(map[i]) + ": " + problem);
-        all.decisions.push_back(NotModelled(map[i].object_id, problem, vehicle, revision));
-      }
-    }
-    objects.push_back(std::move(object));
   }
 
-  all.scene = BuildScene(revision, std::move(objects), std::move(solids), sights, options.scene);
-  for (const Solid& solid : all.scene.solids) {
-    const std::uint32_t id = solid.footprint.object_id;
-    const std::vector<Corridor> corridors = PlanCorridors(all.scene, id, vehicle, options.corridor);
-    for (ClearanceDecision& decision : JudgeClearance(all.scene, id, corridors, sights, vehicle, options.clearance)) {
+  all.scene = BuildScene(revision, std::move(objects), std::move(solids), views.sights, options.scene);
+  for (const SceneObject& object : all.scene.objects) {
+    const std::uint32_t id = object.footprint.object_id;
+    const bool is_modelled = std::any_of(all.scene.solids.begin(), all.scene.solids.end(),
+                                         [id](const Solid& solid) { return solid.footprint.object_id == id; });
+    if (!object.is_matched || !is_modelled) continue;
+    for (ClearanceDecision& decision : Decide(all.scene, id, views.sights, vehicle, options)) {
       all.decisions.push_back(std::move(decision));
     }
   }
+  for (ClearanceDecision& decision : all.decisions) decision.scene_revision = revision;
   return all;
 }
 

@@ -34,7 +34,7 @@ class Overlay {
     for (const Outline& outline : seen_.outlines) DrawOutline(outline);
     for (const SceneObject& object : all_.scene.objects) DrawObject(object);
     for (const Solid& solid : all_.scene.solids) DrawOpenings(solid);
-    for (const ClearanceDecision& decision : all_.decisions) DrawDecision(decision);
+    for (const ClearanceDecision& decision : ChooseShownDecisions(all_.decisions)) DrawCorridor(decision);
     for (const SceneObject& object : all_.scene.objects) LabelObject(object);
     return {canvas_.picture(), Title(), Lines(), Legend()};
   }
@@ -59,7 +59,8 @@ class Overlay {
     std::vector<Ring> rings = footprint.polygon_in_map_m.holes;
     rings.push_back(footprint.polygon_in_map_m.outer);
     for (const Ring& ring : rings) {
-      Draw3d(Lift(ring, footprint.height_m), stroke, true);
+      const bool is_roof_seen = view_.map_from_camera.translation_m.z() > footprint.height_m;
+      if (is_roof_seen) Draw3d(Lift(ring, footprint.height_m), stroke, true);
       for (std::size_t i = 0; i < ring.size() && footprint.height_m > 0.0; ++i) {
         const std::vector<Eigen::Vector3d> wall = WallOver(ring, i, footprint.height_m);
         if (IsFacing(wall)) Draw3d(wall, stroke, true);
@@ -86,8 +87,7 @@ class Overlay {
     }
   }
 
-  void DrawDecision(const ClearanceDecision& decision) {
-    if (!decision.corridor) return;
+  void DrawCorridor(const ClearanceDecision& decision) {
     const bool is_clear = decision.verdict == Verdict::kClear;
     const Stroke& stroke = is_clear ? kClear : kRefused;
     for (const auto& edge : BoxEdges(CorridorBox(*decision.corridor))) Draw3d({edge.first, edge.second}, stroke, false);

@@ -96,7 +96,8 @@ class ScenePicture {
  public:
   ScenePicture(const Understanding& all, const std::vector<Observation>& observations,
                const std::vector<Eigen::Vector3d>& track, const cv::Size& size)
-      : all_(all), observations_(observations), track_(track), focus_(Focus()),
+      : all_(all), observations_(observations), track_(track), shown_(ChooseShownDecisions(all.decisions)),
+        focus_(Focus()),
         unit_m_(focus_.sizes().maxCoeff() / 100.0), view_(ChooseView(size)) {
     for (const Solid& solid : all.scene.solids) {
       const cv::Vec3f paint = PaintOf(solid.footprint.color);
@@ -108,8 +109,7 @@ class ScenePicture {
     track_tube_.Commit();
     AddObstacles();
     obstacles_.Commit();
-    for (const ClearanceDecision& decision : all.decisions) {
-      if (!decision.corridor) continue;
+    for (const ClearanceDecision& decision : shown_) {
       const Stroke& stroke = StrokeOf(decision);
       const cv::Vec3d color(stroke.color[0], stroke.color[1], stroke.color[2]);
       glasses_.push_back({CorridorBox(*decision.corridor), cv::Vec3f(color / 255.0)});
@@ -154,8 +154,7 @@ class ScenePicture {
         box.extend(Eigen::Vector3d(corner.x(), corner.y(), std::max(0.5, object.footprint.height_m)));
       }
     }
-    for (const ClearanceDecision& decision : all_.decisions) {
-      if (!decision.corridor) continue;
+    for (const ClearanceDecision& decision : shown_) {
       for (const Eigen::Vector3d& corner : CorridorBox(*decision.corridor)) box.extend(corner);
     }
     if (box.isEmpty()) box = Eigen::AlignedBox3d(Eigen::Vector3d(-5, -5, 0), Eigen::Vector3d(5, 5, 2));
@@ -164,8 +163,7 @@ class ScenePicture {
   }
 
   double ChooseYaw() const {
-    for (const ClearanceDecision& decision : all_.decisions) {
-      if (!decision.corridor) continue;
+    for (const ClearanceDecision& decision : shown_) {
       const Eigen::Vector3d along = decision.corridor->exit_in_map_m - decision.corridor->entry_in_map_m;
       return std::atan2(along.y(), along.x()) + kBeside_rad;
     }
@@ -363,8 +361,7 @@ class ScenePicture {
       Draw3d(canvas, ring, kEdge, false);
     }
     for (const Observation& seen : observations_) DrawCamera(canvas, seen.image.view);
-    for (const ClearanceDecision& decision : all_.decisions) {
-      if (!decision.corridor) continue;
+    for (const ClearanceDecision& decision : shown_) {
       for (const auto& [a, b] : BoxEdges(CorridorBox(*decision.corridor))) {
         Draw3d(canvas, {a, b}, StrokeOf(decision), true);
       }
@@ -412,6 +409,7 @@ class ScenePicture {
   const Understanding& all_;
   const std::vector<Observation>& observations_;
   const std::vector<Eigen::Vector3d>& track_;
+  std::vector<ClearanceDecision> shown_;
   Eigen::AlignedBox3d focus_;
   double unit_m_;                         ///< A hundredth of what is shown: the measure of line widths and offsets.
   View view_;

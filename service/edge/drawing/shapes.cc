@@ -1,5 +1,7 @@
 #include "service/edge/drawing/shapes.h"
 
+#include <algorithm>
+
 #include "service/edge/drawing/canvas.h"
 
 namespace soffit {
@@ -50,6 +52,26 @@ std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> BoxEdges(const std::arr
     edges.emplace_back(box[i], box[4 + i]);
   }
   return edges;
+}
+
+std::vector<ClearanceDecision> ChooseShownDecisions(const std::vector<ClearanceDecision>& decisions) {
+  std::vector<ClearanceDecision> sorted = decisions;
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
+    return (a.verdict == Verdict::kClear) > (b.verdict == Verdict::kClear);
+  });
+  std::vector<ClearanceDecision> shown;
+  for (const ClearanceDecision& decision : sorted) {
+    if (!decision.corridor || !(decision.corridor->free_width_m > 0.0)) continue;
+    const Corridor& corridor = *decision.corridor;
+    const bool is_known = std::any_of(shown.begin(), shown.end(), [&corridor](const ClearanceDecision& other) {
+      const double near_m = corridor.free_width_m / 2.0;
+      const Corridor& back = *other.corridor;
+      return (back.entry_in_map_m - corridor.exit_in_map_m).norm() < near_m &&
+             (back.exit_in_map_m - corridor.entry_in_map_m).norm() < near_m;
+    });
+    if (!is_known) shown.push_back(decision);
+  }
+  return shown;
 }
 
 std::string Describe(const ClearanceDecision& decision) {

@@ -26,7 +26,11 @@ std::array<Eigen::Vector3d, 8> CorridorBox(const Corridor& corridor);
 
 std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> BoxEdges(const std::array<Eigen::Vector3d, 8>& box);
 
-/// "Side 0 of building 3: CLEAR, free 1.65 m x 1.50 m (reason)".
+/// The decisions whose corridors are drawn: those with a corridor that has a free width, CLEAR ones first, and of the two
+/// directions of the same corridor only one.
+std::vector<ClearanceDecision> ChooseShownDecisions(const std::vector<ClearanceDecision>& decisions);
+
+/// "Building 3, side 0: CLEAR, free 1.65 m wide, 1.50 m high (reason)".
 std::string Describe(const ClearanceDecision& decision);
 
 }  // namespace soffit

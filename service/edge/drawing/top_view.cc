@@ -39,7 +39,7 @@ class TopView {
   Drawing Draw() {
     for (const SceneObject& object : all_.scene.objects) DrawObject(object);
     for (const Solid& solid : all_.scene.solids) DrawOpenings(solid);
-    for (const ClearanceDecision& decision : all_.decisions) DrawCorridor(decision);
+    for (const ClearanceDecision& decision : ChooseShownDecisions(all_.decisions)) DrawCorridor(decision);
     DrawTrack();
     for (const Observation& seen : observations_) DrawCamera(seen.image);
     DrawScaleBar();
@@ -146,7 +146,6 @@ class TopView {
   }
 
   void DrawCorridor(const ClearanceDecision& decision) {
-    if (!decision.corridor) return;
     const Stroke& stroke = decision.verdict == Verdict::kClear ? kClear : kRefused;
     const auto box = CorridorBox(*decision.corridor);
     const PixelLine area = {ToPixel(box[0].head<2>()), ToPixel(box[1].head<2>()), ToPixel(box[5].head<2>()),

@@ -157,10 +157,14 @@ std::string ToObj(const Solid& solid) {
   return text.str();
 }
 
-Status WriteOctree(const fs::path& file, const octomap::OcTree& octree) {
+/// OctoMap's own writer of this format reports on standard error.
+std::string ToBt(const octomap::OcTree& octree) {
   std::ostringstream stream;
-  if (!octree.writeBinaryConst(stream)) return Error{Error::Code::kInternal, "the OctoMap cannot be serialized"};
-  return WriteFile(file, stream.str());
+  stream.imbue(std::locale::classic());
+  stream << "# Octomap OcTree binary file\nid " << octree.getTreeType() << "\nsize " << octree.size() << "\nres "
+         << octree.getResolution() << "\ndata\n";
+  octree.writeBinaryData(stream);
+  return stream.str();
 }
 
 }  // namespace
@@ -170,7 +174,7 @@ Status WriteResult(const fs::path& folder, const Understanding& understanding,
   for (const Solid& solid : understanding.scene.solids) {
     if (Status status = WriteFile(folder / MeshFile(solid), ToObj(solid)); !status.ok()) return status;
   }
-  if (Status status = WriteOctree(folder / "scene.bt", *understanding.scene.octree); !status.ok()) return status;
+  if (Status status = WriteFile(folder / "scene.bt", ToBt(*understanding.scene.octree)); !status.ok()) return status;
   return WriteFile(folder / "result.json", ToJson(understanding, observations, flight).dump(1) + "\n");
 }
 

@@ -1,0 +1,240 @@
+#include "service/edge/files/outputs.h"
+
+#include <gmock/gmock.h>
+#include <ogrsf_frmts.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "service/edge/files/city_json.h"
+#include "service/edge/files/file.h"
+#include "service/edge/files/geopackage.h"
+#include "service/edge/files/report.h"
+#include "service/edge/files/result.h"
+#include "test/support/arch_scene.h"
+
+namespace soffit {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+std::string Read(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+/// Every directed edge of a closed, oriented surface occurs once, and so does its reverse.
+template <class Triangles>
+bool IsClosed(const Triangles& triangles) {
+  std::map<std::pair<int, int>, int> edges;
+  for (const auto& triangle : triangles) {
+    for (std::size_t i = 0; i < 3; ++i) ++edges[{triangle[i], triangle[(i + 1) % 3]}];
+  }
+  for (const auto& [edge, count] : edges) {
+    const auto back = edges.find({edge.second, edge.first});
+    if (count != 1 || back == edges.end() || back->second != 1) return false;
+  }
+  return !edges.empty();
+}
+
+class OutputsTest : public ::testing::Test {
+ protected:
+  OutputsTest() : all_(test::ArchUnderstanding()), observations_(test::ArchObservations()) {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(::testing::TempDir()) / ("soffit_" + std::string(info->name()) + std::to_string(getpid()));
+  }
+  ~OutputsTest() override { fs::remove_all(folder_); }
+
+  json Result() const { return json::parse(Read(folder_ / "result.json")); }
+
+  fs::path folder_;
+  Understanding all_;
+  std::vector<Observation> observations_;
+};
+
+TEST_F(OutputsTest, WriteResultTellsWhatWasUnderstood) {
+  ASSERT_TRUE(WriteResult(folder_, all_, observations_).ok());
+  const json result = Result();
+  const json& object = result["objects"][0];
+  EXPECT_EQ(object["id"], "1");
+  EXPECT_EQ(object["footprint"], json::parse("[[0,0],[4,0],[4,1.5],[0,1.5]]"));
+  EXPECT_EQ(object["holes"], json::array());
+  EXPECT_EQ(object["height_m"], 2.3);
+  EXPECT_EQ(object["matched"], true);
+  EXPECT_NEAR(object["match"]["rotation_cw_deg"].get<double>(), 28.6479, 1e-3);
+  EXPECT_EQ(result["objects"][1]["matched"], false);
+  EXPECT_FALSE(result["objects"][1].contains("match"));
+  const json& model = result["models"][0];
+  EXPECT_EQ(model["object"], "1");
+  EXPECT_EQ(model["mesh"], "models/1.obj");
+  EXPECT_EQ(model["openings"][0]["wall"], 0);
+  EXPECT_EQ(model["openings"][0]["through"], true);
+  EXPECT_EQ(model["openings"][0]["polygon"].size(), 4U);
+  const json& decision = result["clearance"][0];
+  EXPECT_EQ(decision["decision"], "CLEAR");
+  EXPECT_EQ(decision["entry"], json::parse("[2.0,-1.6,0.7]"));
+  EXPECT_EQ(decision["free_width_m"], 1.6);
+  EXPECT_FALSE(result.contains("mission"));
+}
+
+TEST_F(OutputsTest, WriteResultGivesNoCorridorWhereThereIsNone) {
+  all_.decisions[0].corridor.reset();
+  all_.decisions[0].verdict = Verdict::kInsufficientData;
+  all_.decisions[0].wanted = Viewpoint{Purpose::kWall, {1, 2, 3}, 0.0, 0.0, 1, 2, "the far side"};
+  ASSERT_TRUE(WriteResult(folder_, all_, observations_).ok());
+  const json decision = Result()["clearance"][0];
+  EXPECT_EQ(decision["decision"], "INSUFFICIENT_DATA");
+  EXPECT_FALSE(decision.contains("entry"));
+  EXPECT_EQ(decision["wanted"]["reason"], "the far side");
+}
+
+TEST_F(OutputsTest, WriteResultWritesTheSameMeshAndOctree) {
+  ASSERT_TRUE(WriteResult(folder_, all_, observations_).ok());
+  std::istringstream obj(Read(folder_ / "models/1.obj"));
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::array<int, 3>> triangles;
+  for (std::string line; std::getline(obj, line);) {
+    std::istringstream words(line.substr(1));
+    Eigen::Vector3d p;
+    std::array<int, 3> t{};
+    if (line[0] == 'v' && words >> p.x() >> p.y() >> p.z()) vertices.push_back(p);
+    if (line[0] == 'f' && words >> t[0] >> t[1] >> t[2]) triangles.push_back({t[0] - 1, t[1] - 1, t[2] - 1});
+  }
+  EXPECT_EQ(vertices, all_.scene.solids[0].mesh.vertices_in_map_m);
+  EXPECT_EQ(triangles, all_.scene.solids[0].mesh.triangles);
+  EXPECT_TRUE(IsClosed(triangles));
+
+  octomap::OcTree octree(0.1);
+  ASSERT_TRUE(octree.readBinary((folder_ / "scene.bt").string()));
+  ASSERT_NE(octree.search(2.05, 0.05, 0.55), nullptr);
+  EXPECT_FALSE(octree.isNodeOccupied(octree.search(2.05, 0.05, 0.55)));
+  EXPECT_TRUE(octree.isNodeOccupied(octree.search(0.55, -1.05, 0.55)));
+  EXPECT_EQ(octree.search(10.0, 10.0, 0.5), nullptr);
+}
+
+TEST_F(OutputsTest, WriteResultPassesMissionAndTruthOn) {
+  FlightRecord flight;
+  flight.mission = {{"outcome", "flown"}};
+  flight.truth = {{"contacts", 0}};
+  ASSERT_TRUE(WriteResult(folder_, all_, observations_, flight).ok());
+  EXPECT_EQ(Result()["mission"]["outcome"], "flown");
+  EXPECT_EQ(Result()["truth"]["contacts"], 0);
+}
+
+TEST_F(OutputsTest, WriteResultSaysWhereItCannotWrite) {
+  std::ofstream(folder_) << "a file where the folder should be";
+  const Status written = WriteResult(folder_, all_, observations_);
+  ASSERT_FALSE(written.ok());
+  EXPECT_THAT(written.error().message, HasSubstr(folder_.string()));
+}
+
+TEST_F(OutputsTest, CityJsonSolidIsClosedAndItsSoffitIsACeiling) {
+  const json city = json::parse(ToCityJson(all_.scene));
+  EXPECT_EQ(city["version"], "2.0");
+  const json& building = city["CityObjects"]["1"];
+  const json& solid = building["geometry"][1];
+  ASSERT_EQ(solid["type"], "Solid");
+  EXPECT_EQ(solid["lod"], "3");
+  std::vector<std::array<int, 3>> triangles;
+  for (const json& face : solid["boundaries"][0]) triangles.push_back(face[0].get<std::array<int, 3>>());
+  EXPECT_TRUE(IsClosed(triangles));
+  const json& values = solid["semantics"]["values"][0];
+  ASSERT_EQ(values.size(), triangles.size());
+  std::map<std::string, double> lowest_m;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const std::string type = solid["semantics"]["surfaces"][values[i].get<std::size_t>()]["type"];
+    for (const int corner : triangles[i]) {
+      const double z = city["vertices"][static_cast<std::size_t>(corner)][2].get<double>() * 1e-4;
+      double& lowest = lowest_m.try_emplace(type, z).first->second;
+      lowest = std::min(lowest, z);
+    }
+  }
+  EXPECT_NEAR(lowest_m.at("OuterCeilingSurface"), 1.4, 1e-4);
+  EXPECT_NEAR(lowest_m.at("RoofSurface"), 2.3, 1e-4);
+  EXPECT_NEAR(lowest_m.at("GroundSurface"), 0.0, 1e-4);
+  EXPECT_EQ(building["geometry"][2]["semantics"]["surfaces"][0]["type"], "ClosureSurface");
+  EXPECT_EQ(city["CityObjects"]["2"]["geometry"].size(), 1U);
+}
+
+TEST_F(OutputsTest, GeoPackageHoldsAllLayers) {
+  fs::create_directories(folder_);
+  FlightRecord flight;
+  flight.track_in_map_m = {{0, 0, 0}, {0, 0, 3}, {2, -1.6, 0.7}};
+  flight.origin = GeodeticOrigin{50.06, 19.94, 210.0};
+  const Status written = WriteGeoPackage(folder_ / "scene.gpkg", all_, observations_, flight);
+  ASSERT_TRUE(written.ok()) << written.error().message;
+  GDALAllRegister();
+  GDALDataset* dataset = GDALDataset::Open((folder_ / "scene.gpkg").c_str(), GDAL_OF_VECTOR);
+  ASSERT_NE(dataset, nullptr);
+  const std::map<std::string, int> expected = {
+      {"buildings", 2}, {"openings", 2}, {"decisions", 1}, {"viewpoints", 2}, {"track", 1}};
+  for (const auto& [name, count] : expected) {
+    OGRLayer* layer = dataset->GetLayerByName(name.c_str());
+    ASSERT_NE(layer, nullptr) << name;
+    EXPECT_EQ(layer->GetFeatureCount(), count) << name;
+    EXPECT_TRUE(layer->GetSpatialRef()->IsProjected());
+  }
+  OGRLayer* decisions = dataset->GetLayerByName("decisions");
+  const OGRFeatureUniquePtr decision(decisions->GetNextFeature());
+  EXPECT_STREQ(decision->GetFieldAsString("decision"), "CLEAR");
+  EXPECT_NEAR(decision->GetGeometryRef()->toLineString()->get_Length(), 4.7, 1e-9);
+  GDALClose(dataset);
+}
+
+TEST_F(OutputsTest, WritesTheSameBytesTwice) {
+  for (const char* name : {"a", "b"}) {
+    ASSERT_TRUE(WriteResult(folder_ / name, all_, observations_).ok());
+    ASSERT_TRUE(WriteGeoPackage(folder_ / name / "scene.gpkg", all_, observations_, {}).ok());
+  }
+  for (const char* file : {"result.json", "models/1.obj", "scene.bt", "scene.gpkg"}) {
+    EXPECT_EQ(Read(folder_ / "a" / file), Read(folder_ / "b" / file)) << file;
+  }
+}
+
+TEST_F(OutputsTest, WriteOutputsWritesAllFilesAndLeavesNoPartsBehind) {
+  ASSERT_TRUE(WriteOutputs(folder_, {observations_, all_}, {}).ok());
+  std::vector<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+    if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), folder_).string());
+  }
+  EXPECT_THAT(files, testing::UnorderedElementsAre("models/1.obj", "overlay/overview.jpg", "overlay/wall.jpg",
+                                                   "result.json", "scene.bt", "scene.city.json", "scene.gpkg",
+                                                   "scene.png", "summary.png", "top_view.png"));
+  EXPECT_FALSE(cv::imread((folder_ / "overlay/wall.jpg").string()).empty());
+}
+
+TEST_F(OutputsTest, ReportShowsReasonsAsTextOnly) {
+  all_.decisions[0].reason = "<script>alert(1)</script>";
+  FlightRecord flight;
+  flight.mission = {{"outcome", "flown"}, {"steps", {{{"step", "take off"}, {"seconds", 4.5}}}}};
+  ASSERT_TRUE(WriteReport(folder_, all_, observations_, flight, "reference.png").ok());
+  const std::string html = Read(folder_ / "report.html");
+  EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));
+  EXPECT_THAT(html, testing::Not(HasSubstr("<script>")));
+  EXPECT_THAT(html, HasSubstr("take off"));
+  EXPECT_THAT(html, HasSubstr("overlay/wall.jpg"));
+}
+
+TEST(ReadTrackFile, ReadsItsColumnsByName) {
+  const fs::path file = fs::path(::testing::TempDir()) / ("soffit_track" + std::to_string(getpid()));
+  ASSERT_TRUE(WriteFile(file, "t_s,z_m,x_m,y_m\n0.0,3,1,2\r\n0.1,6,4,5\n").ok());
+  const Result<std::vector<Eigen::Vector3d>> track = ReadTrackFile(file);
+  ASSERT_TRUE(track.ok()) << track.error().message;
+  EXPECT_THAT(track.value(), testing::ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)));
+  ASSERT_TRUE(WriteFile(file, "x_m,y_m,z_m\n1,2,3\n1,nan,3\n").ok());
+  EXPECT_THAT(ReadTrackFile(file).error().message, HasSubstr("line 3: y_m"));
+  ASSERT_TRUE(WriteFile(file, "x,y,z\n").ok());
+  EXPECT_THAT(ReadTrackFile(file).error().message, HasSubstr("no column x_m"));
+  fs::remove(file);
+}
+
+}  // namespace
+}  // namespace soffit
