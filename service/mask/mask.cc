@@ -78,8 +78,9 @@ Classified Classify(const cv::Mat3b& bgr, const MaskOptions& options) {
   const cv::Mat1b gamma_table = GammaTable(options.gamma);
   const int min_value = static_cast<int>(std::lround(255.0 * options.min_value));
   Classified result{cv::Mat1b(bgr.size()), cv::Mat1b(bgr.size()), std::vector<Histogram>(options.colors.size() + 1)};
+  cv::Mat3b hsv;
   for (int first = 0; first < bgr.rows; first += kBandRows) {
-    cv::Mat3b hsv = FilterMedian(bgr, cv::Range(first, std::min(first + kBandRows, bgr.rows)), options.median_px);
+    FilterMedian(bgr, cv::Range(first, std::min(first + kBandRows, bgr.rows)), options.median_px, hsv);
     if (options.gamma != 1.0) cv::LUT(hsv, gamma_table, hsv);
     cv::cvtColor(hsv, hsv, cv::COLOR_BGR2HSV_FULL);
     for (int row = 0; row < hsv.rows; ++row) {

@@ -19,15 +19,14 @@
 #define SOFFIT_SERVICE_MASK_MEDIAN_ONCE
 namespace soffit {
 
-constexpr std::size_t kWindow = 7;
-constexpr std::size_t kTileRows =
-    kWindow + 1;  ///< Two windows, one above the other, share all but two of these.
+constexpr int kWindow = 7;
+constexpr int kTileRows = kWindow + 1;  ///< Two windows, one above the other, share all but two of these.
 constexpr std::size_t kStripBytes =
     512;  ///< Done at a time, so that what windows share stays in the L1 cache.
-constexpr std::size_t kMaxVectorBytes = 64;
+constexpr int kMaxVectorBytes = 64;
 
 /// Bytes of a row that are read to filter the first `bytes` of it; the window begins at the first.
-constexpr std::size_t ReadBytes(std::size_t bytes) { return bytes + 3 * (kWindow - 1) + 2 * kMaxVectorBytes; }
+constexpr int ReadBytes(int bytes) { return bytes + 3 * (kWindow - 1) + kMaxVectorBytes; }
 
 using TileRows = std::array<const std::uint8_t*, kTileRows>;
 
@@ -180,59 +179,72 @@ namespace soffit {
 HWY_EXPORT(FilterStrip);
 namespace {
 
-constexpr int kBandRows = 32;  ///< Copied with their borders at a time: the copy stays in the L2 cache.
+using Row = std::array<std::uint8_t, ReadBytes(kStripBytes)>;
 
-/// The rows that `reach` rows around `rows` are read from.
-cv::Range Widen(const cv::Range& rows, int reach, const cv::Mat& picture) {
-  return {std::max(0, rows.start - reach), std::min(picture.rows, rows.end + reach)};
+/// `count` bytes of a row from `first` on, which may lie before it: missing pixels are those of the nearest
+/// end.
+void CopyWithBorder(const std::uint8_t* row, int row_bytes, int step, int first, int count,
+                    std::uint8_t* copy) {
+  const int begin = std::max(first, 0);
+  const int end = std::min(first + count, row_bytes);
+  for (int at = first; at < begin; at += step) std::memcpy(copy + at - first, row, step);
+  std::memcpy(copy + begin - first, row + begin, end - begin);
+  for (int at = end; at < first + count; at += step)
+    std::memcpy(copy + at - first, row + row_bytes - step, step);
 }
 
-/// Filters `rows` of `picture` into `filtered`, which is as high as they are.
-void FilterBand(const cv::Mat& picture, const cv::Range& rows, cv::Mat filtered) {
-  constexpr int kReach = static_cast<int>(kWindow / 2);
-  const int reach_below = kReach + rows.size() % 2;  // The windows go in pairs.
-  const cv::Range source = Widen(rows, kReach, picture);
-  cv::Mat band;
-  cv::copyMakeBorder(picture.rowRange(source), band, source.start - (rows.start - kReach),
-                     rows.end + reach_below - source.end, kReach, kReach + 2 * kMaxVectorBytes,
-                     cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
-
-  const std::size_t step = picture.elemSize();
-  const std::size_t row_bytes = step * static_cast<std::size_t>(picture.cols);
+/// Filters a row and the one below it into `upper` and `lower`. When both are the same, the upper one stays
+/// there.
+void FilterTwoRows(const cv::Mat& picture, int row, std::uint8_t* upper, std::uint8_t* lower) {
+  constexpr int kReach = kWindow / 2;
+  const int step = static_cast<int>(picture.elemSize());
+  const int row_bytes = step * picture.cols;
+  TileRows rows;
+  for (int i = 0; i < kTileRows; ++i) {
+    rows[i] = picture.ptr(std::clamp(row - kReach + i, 0, picture.rows - 1));
+  }
+  std::array<Row, kTileRows> border;
   std::array<std::array<std::uint8_t, kStripBytes + kMaxVectorBytes>, 2> strip;
-  for (int row = 0; row < rows.size(); row += 2) {
-    for (std::size_t at = 0; at < row_bytes; at += kStripBytes) {
-      TileRows tile;
-      for (std::size_t i = 0; i < tile.size(); ++i) tile[i] = band.ptr(row + static_cast<int>(i)) + at;
-      const std::size_t bytes = std::min(kStripBytes, row_bytes - at);
-      HWY_DYNAMIC_DISPATCH(FilterStrip)(tile, bytes, step, strip[0].data(), strip[1].data());
-      std::memcpy(filtered.ptr(row) + at, strip[0].data(), bytes);
-      if (row + 1 < rows.size()) std::memcpy(filtered.ptr(row + 1) + at, strip[1].data(), bytes);
+  for (int at = 0; at < row_bytes; at += kStripBytes) {
+    const int bytes = std::min<int>(kStripBytes, row_bytes - at);
+    const int first = at - kReach * step;
+    TileRows tile;
+    for (std::size_t i = 0; i < tile.size(); ++i) {
+      tile[i] = rows[i] + first;
+      if (first >= 0 && first + ReadBytes(bytes) <= row_bytes) continue;
+      CopyWithBorder(rows[i], row_bytes, step, first, bytes + 2 * kReach * step, border[i].data());
+      tile[i] = border[i].data();
     }
+    HWY_DYNAMIC_DISPATCH(FilterStrip)(tile, bytes, step, strip[0].data(), strip[1].data());
+    std::memcpy(lower + at, strip[1].data(), bytes);
+    std::memcpy(upper + at, strip[0].data(), bytes);
   }
 }
 
 }  // namespace
 
 cv::Mat FilterMedian(const cv::Mat& picture, int size_px) {
-  return FilterMedian(picture, cv::Range(0, picture.rows), size_px);
+  cv::Mat filtered;
+  FilterMedian(picture, cv::Range(0, picture.rows), size_px, filtered);
+  return filtered;
 }
 
-cv::Mat FilterMedian(const cv::Mat& picture, const cv::Range& rows, int size_px) {
+void FilterMedian(const cv::Mat& picture, const cv::Range& rows, int size_px, cv::Mat& filtered) {
   SOFFIT_EXPECT(rows.start >= 0 && rows.start <= rows.end && rows.end <= picture.rows);
   const bool has_network = picture.type() == CV_8UC1 || picture.type() == CV_8UC3;
-  cv::Mat filtered;
-  if (rows.empty() || !has_network || size_px != static_cast<int>(kWindow)) {
-    const cv::Range source = Widen(rows, size_px / 2, picture);
-    cv::medianBlur(picture.rowRange(source), filtered, size_px);
-    return filtered.rowRange(rows.start - source.start, rows.end - source.start);
+  if (rows.empty() || !has_network || size_px != kWindow) {
+    const int reach = size_px / 2;
+    const cv::Range source(std::max(0, rows.start - reach), std::min(picture.rows, rows.end + reach));
+    cv::Mat wider;
+    cv::medianBlur(picture.rowRange(source), wider, size_px);
+    filtered = wider.rowRange(rows.start - source.start, rows.end - source.start);
+    return;
   }
   filtered.create(rows.size(), picture.cols, picture.type());
-  for (int first = rows.start; first < rows.end; first += kBandRows) {
-    const cv::Range band(first, std::min(first + kBandRows, rows.end));
-    FilterBand(picture, band, filtered.rowRange(band.start - rows.start, band.end - rows.start));
+  for (int row = 0; row < rows.size(); row += 2) {
+    FilterTwoRows(picture, rows.start + row, filtered.ptr(row),
+                  filtered.ptr(std::min(row + 1, rows.size() - 1)));
   }
-  return filtered;
 }
 
 }  // namespace soffit

@@ -18,7 +18,8 @@ namespace soffit {
 /// Throws cv::Exception when there are no pixels, or `size_px` is even or not positive. Pure; O(pixels).
 cv::Mat FilterMedian(const cv::Mat& picture, int size_px);
 
-/// Rows `rows` of that alone. They have to lie within the picture, else ContractViolation.
-cv::Mat FilterMedian(const cv::Mat& picture, const cv::Range& rows, int size_px);
+/// Rows `rows` of that alone, into `filtered`, whose memory is used again when it fits. ContractViolation
+/// when they do not lie within the picture.
+void FilterMedian(const cv::Mat& picture, const cv::Range& rows, int size_px, cv::Mat& filtered);
 
 }  // namespace soffit
