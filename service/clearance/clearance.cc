@@ -5,13 +5,14 @@
 #include <sstream>
 
 #include "service/clearance/contact.h"
-#include "service/clearance/sweep.h"
+#include "service/scene/sweep.h"
 #include "service/facade/wall.h"
 
 namespace soffit {
 namespace {
 
 constexpr double kSameView_m = 0.5;
+constexpr double kTiny_m = 1e-9;
 
 std::string InMetres(double value) {
   std::ostringstream text;
@@ -155,14 +156,15 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
   const double spare_width = corridor.free_width_m - vehicle.NeededWidth_m();
   const double spare_height = corridor.free_height_m - vehicle.NeededHeight_m();
   const bool stands_on_ground = corridor.floor_m <= 0.0;
-  decision.margin_left_m = decision.margin_right_m = 0.5 * spare_width - slack;
-  decision.margin_up_m = 0.5 * spare_height - (stands_on_ground ? 0.5 : 1.0) * slack;
-  decision.margin_down_m = decision.margin_up_m;
 
   const double radius = vehicle.radius_m + vehicle.safety_margin_m;
   const double middle_z = corridor.entry_in_map_m.z();
   const double bottom = middle_z - 0.5 * vehicle.NeededHeight_m();
   const double top = middle_z + 0.5 * vehicle.NeededHeight_m();
+  decision.margin_up_m = corridor.floor_m + corridor.free_height_m - top - slack;
+  decision.margin_down_m = bottom - corridor.floor_m - (stands_on_ground ? 0.0 : slack);
+  decision.margin_left_m = corridor.left_m - radius - slack;
+  decision.margin_right_m = corridor.free_width_m - corridor.left_m - radius - slack;
   const Eigen::Vector2d from = corridor.entry_in_map_m.head<2>();
   const Eigen::Vector2d to = corridor.exit_in_map_m.head<2>();
   const Sweep sweep = SweepOctree(*scene.octree, from, to, radius, bottom, top);
@@ -190,8 +192,10 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
     decision.wanted = LookAtWall(corridor.exit_wall);
     return decision;
   }
-  if (decision.margin_left_m < 0.0 || decision.margin_up_m < 0.0) {
-    decision.reason = decision.margin_left_m < decision.margin_up_m
+  const double side_margin = std::min(decision.margin_left_m, decision.margin_right_m);
+  const double height_margin = std::min(decision.margin_up_m, decision.margin_down_m);
+  if (!(side_margin >= 0.0) || !(height_margin >= -kTiny_m)) {
+    decision.reason = side_margin < height_margin
                           ? "too close to call: " + InMetres(spare_width) + " to spare in width" + because
                           : "too close to call: " + InMetres(spare_height) + " to spare in height" + because;
     decision.wanted = LookAlong(corridor);
@@ -226,6 +230,7 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
 Corridor Reversed(Corridor corridor) {
   std::swap(corridor.entry_wall, corridor.exit_wall);
   std::swap(corridor.entry_in_map_m, corridor.exit_in_map_m);
+  corridor.left_m = corridor.free_width_m - corridor.left_m;
   return corridor;
 }
 

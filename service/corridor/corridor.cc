@@ -7,10 +7,13 @@
 
 #include "service/corridor/rectangle.h"
 #include "service/facade/wall.h"
+#include "service/scene/sweep.h"
 
 namespace soffit {
 namespace {
 
+constexpr int kLineSteps = 4;            // Places that are tried on either side of the middle.
+constexpr double kLineRoom = 0.95;       // Of the room beside the vehicle: the rest is kept on all sides.
 constexpr std::size_t kMaxObstacles = 5;  // In one passage; the nearest to its axis count.
 
 Eigen::Vector3d At(const Eigen::Vector2d& plan, double z) { return {plan.x(), plan.y(), z}; }
@@ -93,6 +96,50 @@ std::vector<Shadow> CastShadows(const std::vector<Obstacle>& obstacles, const Wa
   return shadows;
 }
 
+struct Path {
+  Eigen::Vector3d entry_in_map_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d exit_in_map_m = Eigen::Vector3d::Zero();
+};
+
+Path LayPath(const Polygon& footprint, const Passage& passage, const Wall& wall, const Eigen::Vector2d& at,
+             double stand_off) {
+  const auto way = FindWayOut(footprint, passage.entry_wall, at.x());
+  const double length = way ? way->length_m : passage.length_m;
+  return {At(wall.InPlan(at.x()) + stand_off * wall.outward, at.y()),
+          At(wall.InPlan(at.x()) - (length + stand_off) * wall.outward, at.y())};
+}
+
+/// Where in the free rectangle to fly: in its middle, or where more of the space that the vehicle needs was seen free.
+template <class PathAt>
+Eigen::Vector2d ChooseLine(const Rectangle& free, const VehicleEnvelope& vehicle, const octomap::OcTree& tree,
+                           PathAt&& path_at) {
+  const Eigen::Vector2d middle(0.5 * (free.left + free.right), 0.5 * (free.bottom + free.top));
+  const double room_u = std::max(0.0, 0.5 * (free.right - free.left - vehicle.NeededWidth_m()));
+  const double room_v = std::max(0.0, 0.5 * (free.top - free.bottom - vehicle.NeededHeight_m()));
+  std::vector<Eigen::Vector2d> offsets;
+  for (int i = -kLineSteps; i <= kLineSteps; ++i) {
+    for (int j = -kLineSteps; j <= kLineSteps; ++j) {
+      offsets.emplace_back(kLineRoom * room_u * i / kLineSteps, kLineRoom * room_v * j / kLineSteps);
+    }
+  }
+  std::stable_sort(offsets.begin(), offsets.end(), [](const auto& a, const auto& b) { return a.norm() < b.norm(); });
+  Eigen::Vector2d best = middle;
+  double best_seen = -1.0;
+  for (const Eigen::Vector2d& offset : offsets) {
+    const Path path = path_at(middle + offset);
+    const double z = path.entry_in_map_m.z();
+    const double seen = SweepOctree(tree, path.entry_in_map_m.head<2>(), path.exit_in_map_m.head<2>(),
+                                    vehicle.radius_m + vehicle.safety_margin_m, z - 0.5 * vehicle.NeededHeight_m(),
+                                    z + 0.5 * vehicle.NeededHeight_m())
+                            .SeenRatio();
+    if (seen <= best_seen) continue;
+    best = middle + offset;
+    best_seen = seen;
+    if (seen >= 1.0 || (room_u == 0.0 && room_v == 0.0)) break;
+  }
+  return best;
+}
+
 std::string Describe(const std::vector<Shadow>& shadows) {
   if (shadows.empty()) return "";
   std::ostringstream text;
@@ -117,18 +164,19 @@ std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id,
       const Wall wall = WallOf(solid.footprint.polygon_in_map_m.outer, passage.entry_wall);
       const std::vector<Shadow> shadows = CastShadows(scene.obstacles, wall, passage, stand_off);
       const Rectangle free = FitBetween(passage.section_m, shadows, 0, vehicle).value_or(NoRoom(passage.section_m)).rectangle;
-      const double u = 0.5 * (free.left + free.right);
-      const double z = 0.5 * (free.bottom + free.top);
-      const auto way = FindWayOut(solid.footprint.polygon_in_map_m, passage.entry_wall, u);
-      const double length = way ? way->length_m : passage.length_m;
+      const Eigen::Vector2d middle = ChooseLine(free, vehicle, *scene.octree, [&](const Eigen::Vector2d& at) {
+        return LayPath(solid.footprint.polygon_in_map_m, passage, wall, at, stand_off);
+      });
+      const Path path = LayPath(solid.footprint.polygon_in_map_m, passage, wall, middle, stand_off);
       Corridor corridor;
       corridor.object_id = object_id;
       corridor.entry_wall = passage.entry_wall;
       corridor.exit_wall = passage.exit_wall;
-      corridor.entry_in_map_m = At(wall.InPlan(u) + stand_off * wall.outward, z);
-      corridor.exit_in_map_m = At(wall.InPlan(u) - (length + stand_off) * wall.outward, z);
+      corridor.entry_in_map_m = path.entry_in_map_m;
+      corridor.exit_in_map_m = path.exit_in_map_m;
       corridor.free_width_m = free.right - free.left;
       corridor.free_height_m = free.top - free.bottom;
+      corridor.left_m = middle.x() - free.left;
       corridor.floor_m = free.bottom;
       corridor.std_m = passage.std_m;
       corridor.limited_by = Describe(shadows);

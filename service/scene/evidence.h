@@ -19,6 +19,7 @@ class FreeRays {
 
   /// What the picture shows standing on the ground where the model has nothing.
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+  const cv::Mat1b& fails() const { return fails_; }
   std::uint32_t capture_id() const { return capture_id_; }
 
  private:
@@ -29,6 +30,7 @@ class FreeRays {
   View view_;
   Pose<Camera, Map> camera_from_map_;
   cv::Mat1b fails_;       ///< 1: the pixel proves nothing.
+  cv::Mat1b near_edge_;   ///< Where a predicted edge is so close that a misfit of the model explains a contradiction.
   cv::Mat1f reach_m_;     ///< Free depth, the least within the edge tolerance.
   cv::Mat1i fail_sum_;    ///< Integral picture of `fails_`.
   std::vector<Obstacle> obstacles_;

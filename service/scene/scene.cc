@@ -95,6 +95,12 @@ void MarkObstacle(const Obstacle& obstacle, const Grid& grid, int x, int y, std:
   for (int z = 0; z < std::min(grid.count[2], high); ++z) occupied[static_cast<std::size_t>(z)] = true;
 }
 
+bool Reaches(const Solid& solid, const Obstacle& obstacle, double margin_m) {
+  const Ring& ring = solid.footprint.polygon_in_map_m.outer;
+  const Eigen::Vector2d base = obstacle.base_in_map_m.head<2>();
+  return Contains(ring, base) || DistanceToRing(base, ring) <= margin_m + obstacle.radius_m;
+}
+
 bool Touches(const Box& box, const Grid& grid, int x, int y) {
   const Eigen::Vector3d center = grid.Center(x, y, 0);
   return center.x() >= box.low.x() - grid.voxel_m && center.x() <= box.high.x() + grid.voxel_m &&
@@ -168,7 +174,12 @@ Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::
     }
   }
   for (const FreeRays& view : rays) {
-    scene.obstacles.insert(scene.obstacles.end(), view.obstacles().begin(), view.obstacles().end());
+    for (const Obstacle& obstacle : view.obstacles()) {
+      const bool is_near = std::any_of(scene.solids.begin(), scene.solids.end(), [&](const Solid& solid) {
+        return Reaches(solid, obstacle, options.margin_m);
+      });
+      if (is_near) scene.obstacles.push_back(obstacle);
+    }
   }
   scene.octree = MapSpace(scene, rays, options);
   return scene;

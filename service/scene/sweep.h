@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "service/scene/scene.h"
-#include "service/solid/boolean.h"
 
 namespace soffit {
 

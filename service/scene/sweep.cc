@@ -1,4 +1,4 @@
-#include "service/clearance/sweep.h"
+#include "service/scene/sweep.h"
 
 #include <algorithm>
 #include <cmath>
