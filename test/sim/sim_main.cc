@@ -7,12 +7,14 @@
 #include <functional>
 
 #include "test/sim/command/run.h"
+#include "test/sim/command/worlds.h"
 
 namespace {
 
 using soffit::Status;
 
-/// Adds `soffit-sim run`; gives what to do when it is chosen.
+// Each adds a subcommand and gives what to do when it is chosen.
+
 std::function<Status()> AddRun(CLI::App& app, soffit::sim::RunOptions& options) {
   CLI::App* run = app.add_subcommand("run", "Fly in a world, in real time, until SIGINT or SIGTERM");
   run->add_option("WORLD", options.world_file, "World file (YAML)")->required()->check(CLI::ExistingFile);
@@ -38,6 +40,31 @@ std::function<Status()> AddRun(CLI::App& app, soffit::sim::RunOptions& options) 
   return [run, &options] { return run->parsed() ? soffit::sim::Run(options) : soffit::OkStatus(); };
 }
 
+struct WorldOptions {
+  std::string world_file;
+  std::string out_file;
+  std::uint64_t seed = 0;
+};
+
+std::function<Status()> AddTruth(CLI::App& app, WorldOptions& options) {
+  CLI::App* truth =
+      app.add_subcommand("truth", "Print what is truly passable in a world, and how a mission has to end");
+  truth->add_option("WORLD", options.world_file, "World file (YAML)")->required()->check(CLI::ExistingFile);
+  return [truth, &options] {
+    return truth->parsed() ? soffit::sim::PrintTruth(options.world_file) : soffit::OkStatus();
+  };
+}
+
+std::function<Status()> AddDraw(CLI::App& app, WorldOptions& options) {
+  CLI::App* draw = app.add_subcommand("draw", "Write a random world, always the same for a seed");
+  draw->add_option("--seed", options.seed)->required();
+  draw->add_option("--out", options.out_file, "World file to write (YAML)")->required();
+  return [draw, &options] {
+    return draw->parsed() ? soffit::sim::WriteRandomWorld(options.seed, options.out_file)
+                          : soffit::OkStatus();
+  };
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -45,7 +72,9 @@ int main(int argc, char** argv) {
   CLI::App app("Simulated world, vehicle and autopilot for Soffit", "soffit-sim");
   app.require_subcommand(1);
   soffit::sim::RunOptions run_options;
-  const std::vector<std::function<Status()>> commands = {AddRun(app, run_options)};
+  WorldOptions world_options;
+  const std::vector<std::function<Status()>> commands = {
+      AddRun(app, run_options), AddTruth(app, world_options), AddDraw(app, world_options)};
   CLI11_PARSE(app, argc, argv);
   for (const auto& command : commands) {
     if (const Status status = command(); !status.ok()) {
