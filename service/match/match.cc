@@ -27,7 +27,8 @@ constexpr double kTolerance = 0.015;  ///< Misfit of shapes without roughness th
 constexpr double kTolerancePerRoughness = 2.2;
 constexpr double kScoreAtTolerance = 0.85;
 constexpr double kMaxAnchorMisfitRatio = 4.0;
-constexpr double kMaxNeighbourOffset = 0.5;  ///< Of the square root of the neighbour's area.
+constexpr double kMaxGlanceMisfitRatio = 5.0;  ///< Of a rough fit that could still become a match.
+constexpr double kMaxNeighbourOffset = 0.5;    ///< Of the square root of the neighbour's area.
 constexpr double kMaxAreaRatio = 1.5;
 
 /// Area by direction from the centroid: invariant to position and scale, a rotation shifts it.
@@ -187,7 +188,9 @@ class Matcher {
 
   std::optional<Pose2d> LayReference(std::size_t anchor, std::size_t on, double rotation_ccw_rad) const {
     Similarity similarity =
-        RefineSimilarity({Pair(anchor, on)}, LayOn(reference_[anchor], map_[on], rotation_ccw_rad));
+        RefineSimilarity({Pair(anchor, on)}, LayOn(reference_[anchor], map_[on], rotation_ccw_rad), kGlance);
+    if (MisfitRatio(anchor, on, similarity, kGlance) > kMaxGlanceMisfitRatio) return std::nullopt;
+    similarity = RefineSimilarity({Pair(anchor, on)}, similarity);
     const double misfit_ratio = MisfitRatio(anchor, on, similarity);
     if (reference_.size() == 1) return Pose2d{{index_[on]}, similarity, misfit_ratio};
     if (misfit_ratio > kMaxAnchorMisfitRatio) return std::nullopt;
@@ -229,9 +232,11 @@ class Matcher {
   }
 
   /// How far apart the outlines lie, over how far apart those of equal shapes may lie.
-  double MisfitRatio(std::size_t i, std::size_t j, const Similarity& similarity) const {
+  double MisfitRatio(std::size_t i, std::size_t j, const Similarity& similarity,
+                     const Effort& effort = {}) const {
     const double roughness = std::hypot(reference_[i].roughness, map_[j].roughness);
-    return Misfit(Pair(i, j), similarity) / std::hypot(kTolerance, kTolerancePerRoughness * roughness);
+    return Misfit(Pair(i, j), similarity, effort) /
+           std::hypot(kTolerance, kTolerancePerRoughness * roughness);
   }
 
   ShapePair Pair(std::size_t i, std::size_t j) const { return {reference_[i].polygon, map_[j].polygon}; }

@@ -10,8 +10,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kSamples = 128;  ///< On each outline.
-constexpr int kIterations = 25;
 constexpr int kStretches = 16;
 
 struct Sample {
@@ -32,12 +30,12 @@ void SampleRing(const Ring& ring, double step, bool is_on_hole, std::vector<Samp
   }
 }
 
-std::vector<Sample> SampleOutline(const Polygon& polygon) {
+std::vector<Sample> SampleOutline(const Polygon& polygon, int count) {
   double length = Perimeter(polygon.outer);
   for (const Ring& hole : polygon.holes) length += Perimeter(hole);
   std::vector<Sample> samples;
-  SampleRing(polygon.outer, length / kSamples, false, samples);
-  for (const Ring& hole : polygon.holes) SampleRing(hole, length / kSamples, true, samples);
+  SampleRing(polygon.outer, length / count, false, samples);
+  for (const Ring& hole : polygon.holes) SampleRing(hole, length / count, true, samples);
   return samples;
 }
 
@@ -48,16 +46,26 @@ struct Foot {
 };
 
 void FindFootOnRing(const Vector2d& p, const Ring& ring, Foot& best) {
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Vector2d& a = ring[i];
-    const Vector2d side = ring[(i + 1) % ring.size()] - a;
+  double least2 = best.distance * best.distance;
+  const Vector2d* start = nullptr;
+  Vector2d nearest_side;
+  double share = 0.0;
+  for (std::size_t i = 0, last = ring.size() - 1; i < ring.size(); last = i++) {
+    const Vector2d& a = ring[last];
+    const Vector2d side = ring[i] - a;
     const double length2 = side.squaredNorm();
     if (length2 <= 0.0) continue;
     const double t = std::clamp((p - a).dot(side) / length2, 0.0, 1.0);
-    const Vector2d foot = a + t * side;
-    const double distance = (p - foot).norm();
-    if (distance < best.distance) best = {foot, Vector2d(side.y(), -side.x()) / std::sqrt(length2), distance};
+    const double distance2 = (p - a - t * side).squaredNorm();
+    if (distance2 >= least2) continue;
+    least2 = distance2;
+    start = &a;
+    nearest_side = side;
+    share = t;
   }
+  if (start == nullptr) return;
+  const Vector2d normal(nearest_side.y(), -nearest_side.x());
+  best = {*start + share * nearest_side, normal / normal.norm(), std::sqrt(least2)};
 }
 
 /// Outer rings answer for samples of outer rings, holes for those of holes; none when there is no hole.
@@ -142,14 +150,14 @@ double GreatestStretchMean(const std::vector<double>& distances, std::size_t fro
   return greatest;
 }
 
-double OneWayMisfit(const Polygon& from, const Polygon& to) {
+double OneWayMisfit(const Polygon& from, const Polygon& to, int count) {
   const double side = SideLength(to);
   std::vector<Sample> samples;
   std::vector<std::size_t> starts;
   const double length = Perimeter(from.outer);
   const auto add = [&](const Ring& ring, bool is_on_hole) {
     starts.push_back(samples.size());
-    SampleRing(ring, length / (2 * kSamples), is_on_hole, samples);
+    SampleRing(ring, length / (2 * count), is_on_hole, samples);
   };
   add(from.outer, false);
   for (const Ring& hole : from.holes) add(hole, true);
@@ -178,15 +186,17 @@ Polygon operator*(const Similarity& similarity, const Polygon& polygon) {
   return moved;
 }
 
-Similarity RefineSimilarity(const std::vector<ShapePair>& pairs, const Similarity& start) {
+Similarity RefineSimilarity(const std::vector<ShapePair>& pairs, const Similarity& start,
+                            const Effort& effort) {
   std::vector<std::pair<std::vector<Sample>, std::vector<Sample>>> samples;
   double side = 0.0;
   for (const ShapePair& pair : pairs) {
-    samples.emplace_back(SampleOutline(*pair.first), SampleOutline(*pair.second));
+    samples.emplace_back(SampleOutline(*pair.first, effort.samples),
+                         SampleOutline(*pair.second, effort.samples));
     side = std::max(side, SideLength(*pair.second));
   }
   Similarity current = start;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
+  for (int iteration = 0; iteration < effort.iterations; ++iteration) {
     std::vector<Constraint> constraints;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       AddConstraints(pairs[i], samples[i].first, samples[i].second, current, constraints);
@@ -204,9 +214,10 @@ Similarity RefineSimilarity(const std::vector<ShapePair>& pairs, const Similarit
   return current;
 }
 
-double Misfit(const ShapePair& pair, const Similarity& similarity) {
+double Misfit(const ShapePair& pair, const Similarity& similarity, const Effort& effort) {
   const Polygon moved = similarity * *pair.first;
-  return std::max(OneWayMisfit(moved, *pair.second), OneWayMisfit(*pair.second, moved));
+  return std::max(OneWayMisfit(moved, *pair.second, effort.samples),
+                  OneWayMisfit(*pair.second, moved, effort.samples));
 }
 
 }  // namespace soffit

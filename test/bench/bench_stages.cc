@@ -125,12 +125,15 @@ void FromPictureThroughLensToFootprints(benchmark::State& state) {
 
 /// A building, or one with its neighbours, among as many as the argument says.
 void FindsReference(benchmark::State& state, std::initializer_list<std::size_t> wanted) {
-  const std::vector<Polygon> map = MakeVectorMap(static_cast<std::size_t>(state.range(0)));
+  std::vector<TracedShape> map;
+  for (Polygon& polygon : MakeVectorMap(static_cast<std::size_t>(state.range(0)))) {
+    map.push_back({std::move(polygon), 0.05});
+  }
   const Eigen::Rotation2Dd turn(-0.7);
   Reference reference;
   for (const std::size_t index : wanted) {
     reference.shapes.push_back(map[index]);
-    for (Eigen::Vector2d& corner : reference.shapes.back().outer) corner = turn * (corner * 3.0);
+    for (Eigen::Vector2d& corner : reference.shapes.back().polygon.outer) corner = turn * (corner * 3.0);
   }
   std::vector<Match> matches;
   for (auto _ : state) benchmark::DoNotOptimize(matches = FindMatches(map, reference, {}));
