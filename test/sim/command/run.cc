@@ -1,9 +1,13 @@
 #include "test/sim/command/run.h"
 
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -26,6 +30,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kRound{5};
+constexpr milliseconds kPosePatience{500};
 constexpr std::int64_t kTruthPeriod_ns = 1'000'000'000;
 constexpr std::int64_t kTrackPeriod_ns = 50'000'000;
 
@@ -35,6 +40,14 @@ std::int64_t UtcNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
+}
+
+/// The vehicle does not wait for the machine: flying comes before drawing pictures, where the system allows
+/// it.
+void PutThisThreadFirst() {
+  if (::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), -10) != 0) {
+    spdlog::debug("flying at ordinary priority: {}", std::strerror(errno));
+  }
 }
 
 /// Readers see the old file or the new one, never a part.
@@ -61,7 +74,11 @@ class Session {
         flight_(MakeFlight()),
         cameras_(
             world, renderer_,
-            [this](Mount mount, std::int64_t utc_ns) { return flight_->poses().CameraAt(mount, utc_ns); },
+            [this](Mount mount, std::int64_t utc_ns) -> std::optional<Pose<Map, Camera>> {
+              const auto pose = flight_->poses().Await(utc_ns, kPosePatience);
+              if (!pose) return std::nullopt;
+              return CameraPose(mount, *pose);
+            },
             {options.camera_port, options.seed, options.broken_picture_ratio, options.late_picture_ratio}),
         track_(std::filesystem::path(options.out_folder) / "track.csv"),
         control_(
@@ -79,6 +96,7 @@ class Session {
                                   {"control_port", control_.port()},
                                   {"out", options_.out_folder}};
     std::cout << ready.dump() << std::endl;
+    PutThisThreadFirst();
     while (stop_requested == 0) Round();
     const std::lock_guard lock(mutex_);
     WriteTruth(true);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <thread>
 
 #include "test/sim/autopilot/test_flight.h"
 
@@ -142,17 +143,31 @@ TEST(PoseHistory, InterpolatesAndKnowsNothingOfOtherTimes) {
   EXPECT_FALSE(history.At(kStart_ns + 200'000'000).has_value());
 }
 
-TEST(PoseHistory, PointsTheFixedCamerasForwardAndDown) {
+TEST(PoseHistory, WaitsForAMomentThatIsStillToCome) {
   PoseHistory history;
+  history.Add({kStart_ns, {0, 0, 0}, Eigen::Quaterniond::Identity(), Eigen::Quaterniond::Identity()});
+  std::thread flight([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    history.Add(
+        {kStart_ns + 10'000'000, {1, 0, 0}, Eigen::Quaterniond::Identity(), Eigen::Quaterniond::Identity()});
+  });
+  const auto pose = history.Await(kStart_ns + 5'000'000, std::chrono::seconds(10));
+  flight.join();
+  ASSERT_TRUE(pose.has_value());
+  EXPECT_NEAR(pose->position_m.x(), 0.5, 1e-12);
+  EXPECT_FALSE(history.Await(kStart_ns + 1'000'000'000, std::chrono::milliseconds(1)).has_value());
+}
+
+TEST(CameraPose, PointsTheFixedCamerasForwardAndDown) {
   const Eigen::Quaterniond north(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitZ()));
-  history.Add({kStart_ns, {0, 0, 3}, north, Eigen::Quaterniond::Identity()});
-  const auto forward = history.CameraAt(Mount::kForward, kStart_ns);
-  const auto down = history.CameraAt(Mount::kDown, kStart_ns);
-  EXPECT_TRUE((forward->rotation * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d(0, 1, 0), 1e-9));
-  EXPECT_TRUE((forward->rotation * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d(1, 0, 0), 1e-9));
-  EXPECT_TRUE((down->rotation * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d(0, 0, -1), 1e-9));
+  const FlightPose pose{kStart_ns, {0, 0, 3}, north, Eigen::Quaterniond::Identity()};
+  const auto forward = CameraPose(Mount::kForward, pose);
+  const auto down = CameraPose(Mount::kDown, pose);
+  EXPECT_TRUE((forward.rotation * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d(0, 1, 0), 1e-9));
+  EXPECT_TRUE((forward.rotation * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d(1, 0, 0), 1e-9));
+  EXPECT_TRUE((down.rotation * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d(0, 0, -1), 1e-9));
   EXPECT_TRUE(
-      (down->rotation * -Eigen::Vector3d::UnitY()).isApprox(Eigen::Vector3d(0, 1, 0), 1e-9));  // Top: ahead.
+      (down.rotation * -Eigen::Vector3d::UnitY()).isApprox(Eigen::Vector3d(0, 1, 0), 1e-9));  // Top: ahead.
 }
 
 /// A simulated flight under a script, in simulated time.

@@ -22,10 +22,21 @@ void PoseHistory::Add(const FlightPose& pose) {
   if (!poses_.empty() && pose.utc_ns <= poses_.back().utc_ns) return;
   poses_.push_back(pose);
   while (pose.utc_ns - poses_.front().utc_ns > kKept_ns) poses_.pop_front();
+  grown_.notify_all();
 }
 
 std::optional<FlightPose> PoseHistory::At(std::int64_t utc_ns) const {
   const std::lock_guard lock(mutex_);
+  return Find(utc_ns);
+}
+
+std::optional<FlightPose> PoseHistory::Await(std::int64_t utc_ns, std::chrono::milliseconds patience) const {
+  std::unique_lock lock(mutex_);
+  grown_.wait_for(lock, patience, [&] { return !poses_.empty() && poses_.back().utc_ns >= utc_ns; });
+  return Find(utc_ns);
+}
+
+std::optional<FlightPose> PoseHistory::Find(std::int64_t utc_ns) const {
   const auto next =
       std::lower_bound(poses_.begin(), poses_.end(), utc_ns,
                        [](const FlightPose& pose, std::int64_t wanted) { return pose.utc_ns < wanted; });
@@ -37,18 +48,16 @@ std::optional<FlightPose> PoseHistory::At(std::int64_t utc_ns) const {
   return Interpolate(*std::prev(next), *next, utc_ns);
 }
 
-std::optional<Pose<Map, Camera>> PoseHistory::CameraAt(Mount mount, std::int64_t utc_ns) const {
-  const auto pose = At(utc_ns);
-  if (!pose) return std::nullopt;
+Pose<Map, Camera> CameraPose(Mount mount, const FlightPose& pose) {
   switch (mount) {
     case Mount::kForward:
-      return Pose<Map, Camera>{pose->map_from_body * CameraAttitude(0.0, 0.0), pose->position_m};
+      return {pose.map_from_body * CameraAttitude(0.0, 0.0), pose.position_m};
     case Mount::kDown:
-      return Pose<Map, Camera>{pose->map_from_body * CameraAttitude(0.0, -M_PI / 2.0), pose->position_m};
+      return {pose.map_from_body * CameraAttitude(0.0, -M_PI / 2.0), pose.position_m};
     case Mount::kGimbal:
       break;
   }
-  return Pose<Map, Camera>{pose->map_from_gimbal, pose->position_m};
+  return {pose.map_from_gimbal, pose.position_m};
 }
 
 }  // namespace soffit::sim

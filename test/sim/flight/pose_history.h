@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -28,12 +30,18 @@ class PoseHistory {
   /// Interpolated; the newest pose stands for up to 0.1 s after it. None for other moments.
   std::optional<FlightPose> At(std::int64_t utc_ns) const;
 
-  /// The pose of a camera: all sit at the vehicle's reference point; the fixed ones turn with the vehicle.
-  std::optional<Pose<Map, Camera>> CameraAt(Mount mount, std::int64_t utc_ns) const;
+  /// The same, after waiting for up to `patience` until the history has got that far.
+  std::optional<FlightPose> Await(std::int64_t utc_ns, std::chrono::milliseconds patience) const;
 
  private:
+  std::optional<FlightPose> Find(std::int64_t utc_ns) const;
+
   mutable std::mutex mutex_;
+  mutable std::condition_variable grown_;
   std::deque<FlightPose> poses_;
 };
+
+/// The pose of a camera: all sit at the vehicle's reference point; the fixed ones turn with the vehicle.
+Pose<Map, Camera> CameraPose(Mount mount, const FlightPose& pose);
 
 }  // namespace soffit::sim
