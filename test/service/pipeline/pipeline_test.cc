@@ -1,0 +1,116 @@
+#include "service/pipeline/pipeline.h"
+
+#include <gmock/gmock.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace soffit {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr VehicleEnvelope kVehicle{0.35, 0.30, 0.25};
+
+/// A picture from 9 m straight above, north up: shapes on grey.
+Capture Overview(const std::vector<std::pair<std::vector<cv::Point>, cv::Scalar>>& shapes) {
+  cv::Mat3b picture(480, 640, cv::Vec3b(120, 130, 125));
+  for (const auto& [shape, color] : shapes) cv::fillPoly(picture, std::vector<std::vector<cv::Point>>{shape}, color);
+  Capture capture;
+  capture.capture_id = 1;
+  capture.name = "overview.png";
+  capture.purpose = Purpose::kOverview;
+  capture.intrinsics = {640, 480, 425.0, 425.0, 319.5, 239.5, {}};
+  capture.map_from_camera = {CameraAttitude(1.5707963267948966, -1.5707963267948966), {0.0, 0.0, 9.0}};
+  capture.has_trusted_pose = true;
+  cv::imencode(".png", picture, capture.bytes);
+  return capture;
+}
+
+const cv::Scalar kRed(40, 30, 200);
+
+/// An L that has no mirror symmetry, with its corner at (x, y).
+std::vector<cv::Point> L(int x, int y) {
+  return {{x, y}, {x + 120, y}, {x + 120, y + 40}, {x + 50, y + 40}, {x + 50, y + 160}, {x, y + 160}};
+}
+
+Reference ReferenceOfL() {
+  cv::Mat1b bitmap(120, 120, uchar{255});
+  std::vector<cv::Point> shape = L(40, 20);
+  for (cv::Point& corner : shape) corner = {20 + (corner.x - 40) / 2, 10 + (corner.y - 20) / 2};
+  cv::fillPoly(bitmap, std::vector<std::vector<cv::Point>>{shape}, cv::Scalar(0));
+  return ReadReference(bitmap).value();
+}
+
+std::vector<Observation> Seen(const Capture& capture) {
+  const Result<Observation> seen = Observe(capture, {});
+  EXPECT_TRUE(seen.ok());
+  return {seen.value()};
+}
+
+TEST(Observe, NamesThePictureThatDoesNotDecode) {
+  Capture capture = Overview({});
+  capture.bytes.resize(capture.bytes.size() / 2);
+  const Result<Observation> seen = Observe(capture, {});
+  ASSERT_FALSE(seen.ok());
+  EXPECT_THAT(seen.error().message, HasSubstr("overview.png"));
+}
+
+TEST(Observe, GivesAnErrorWhenATopPictureDoesNotLookDown) {
+  Capture capture = Overview({{L(100, 100), kRed}});
+  capture.map_from_camera.rotation = CameraAttitude(0.0, 0.0);
+  const Result<Observation> seen = Observe(capture, {});
+  ASSERT_FALSE(seen.ok());
+  EXPECT_THAT(seen.error().message, HasSubstr("overview.png"));
+}
+
+TEST(Understand, MakesNoDecisionFromNothing) {
+  const Understanding all = Understand({}, ReferenceOfL(), kVehicle, 3, {});
+  EXPECT_THAT(all.decisions, IsEmpty());
+  EXPECT_THAT(all.problems, ElementsAre(HasSubstr("not among those that were seen")));
+  EXPECT_NE(all.scene.octree, nullptr);
+  EXPECT_EQ(all.scene.revision, 3U);
+}
+
+TEST(Understand, MarksTheWantedBuildingAmongOthers) {
+  const std::vector<cv::Point> box = {{400, 120}, {520, 120}, {520, 200}, {400, 200}};
+  const Understanding all = Understand(Seen(Overview({{L(100, 200), kRed}, {box, kRed}})), ReferenceOfL(), kVehicle, 1, {});
+  ASSERT_THAT(all.scene.objects, SizeIs(2));
+  const auto is_matched = [](const SceneObject& object) { return object.is_matched; };
+  ASSERT_EQ(std::count_if(all.scene.objects.begin(), all.scene.objects.end(), is_matched), 1);
+  const SceneObject& wanted = *std::find_if(all.scene.objects.begin(), all.scene.objects.end(), is_matched);
+  EXPECT_EQ(wanted.footprint.polygon_in_map_m.outer.size(), 6U);
+  EXPECT_LT(Centroid(wanted.footprint.polygon_in_map_m).x(), 0.0);
+}
+
+TEST(Understand, NeverClearsWhatWasOnlySeenFromAbove) {
+  const Understanding all = Understand(Seen(Overview({{L(250, 150), kRed}})), ReferenceOfL(), kVehicle, 9, {});
+  ASSERT_FALSE(all.decisions.empty());
+  for (const ClearanceDecision& decision : all.decisions) {
+    EXPECT_EQ(decision.verdict, Verdict::kInsufficientData) << decision.reason;
+    EXPECT_EQ(decision.scene_revision, 9U);
+  }
+}
+
+TEST(Understand, DoesNotGuessBetweenTwoBuildingsThatFitAlike) {
+  const Understanding all =
+      Understand(Seen(Overview({{L(100, 200), kRed}, {L(400, 200), kRed}})), ReferenceOfL(), kVehicle, 1, {});
+  EXPECT_THAT(all.matches, SizeIs(2));
+  EXPECT_THAT(all.decisions, IsEmpty());
+  EXPECT_THAT(all.problems, ElementsAre(HasSubstr("2 places")));
+  for (const SceneObject& object : all.scene.objects) EXPECT_FALSE(object.is_matched);
+}
+
+TEST(Understand, DoesNotTakeTheMirroredBuilding) {
+  std::vector<cv::Point> mirrored = L(100, 200);
+  for (cv::Point& corner : mirrored) corner.x = 640 - corner.x;
+  const Understanding all = Understand(Seen(Overview({{mirrored, kRed}})), ReferenceOfL(), kVehicle, 1, {});
+  EXPECT_THAT(all.matches, IsEmpty());
+  EXPECT_THAT(all.decisions, IsEmpty());
+}
+
+}  // namespace
+}  // namespace soffit
