@@ -12,13 +12,15 @@
 
 namespace soffit {
 
-/// An ArduPilot Copter (or PX4) that is just real enough to test against: silent until asked, particular about the order
-/// of mode, arming and takeoff, deaf to setpoints in other modes. Its world is its local NED frame; home is where it stands.
+/// An ArduPilot Copter (or PX4) that is just real enough to test against: silent until asked, particular
+/// about the order of mode, arming and takeoff, deaf to setpoints in other modes. Its world is its local NED
+/// frame; home is where it stands.
 class FakeAutopilot {
  public:
   explicit FakeAutopilot(mavlink::Autopilot make = mavlink::kAutopilotArduPilot)
       : make_(make), encoder_(1, mavlink::kComponentAutopilot) {
-    if (make_ == mavlink::kAutopilotPx4) mode = mavlink::Px4CustomMode(mavlink::kPx4Auto, mavlink::kPx4AutoLoiter);
+    if (make_ == mavlink::kAutopilotPx4)
+      mode = mavlink::Px4CustomMode(mavlink::kPx4Auto, mavlink::kPx4AutoLoiter);
   }
 
   std::uint32_t mode = mavlink::kCopterStabilize;
@@ -27,13 +29,13 @@ class FakeAutopilot {
   bool answers_timesync = true;
   bool is_silent = false;
   std::uint8_t system_status = mavlink::kStateStandby;
-  std::string arming_complaint;                 ///< Not empty: refuses to arm, and says so.
+  std::string arming_complaint;  ///< Not empty: refuses to arm, and says so.
   Eigen::Vector3d position_ned_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_ned_mps = Eigen::Vector3d::Zero();
   double yaw_ned_rad = 0.0;
   std::int32_t home_latitude_e7 = 500000000;
   std::int32_t origin_latitude_e7 = 500000000;
-  std::vector<mavlink::CommandLong> commands;   ///< All that were received.
+  std::vector<mavlink::CommandLong> commands;  ///< All that were received.
   std::vector<mavlink::SetPositionTargetLocalNed> setpoints;
   std::vector<mavlink::GimbalManagerSetPitchyaw> gimbal_aims;
   int setpoints_during_takeoff = 0;
@@ -79,8 +81,9 @@ class FakeAutopilot {
                                            : mode == mavlink::kCopterGuided && IsInAir();
   }
   bool IsLanding() const {
-    return mode == (make_ == mavlink::kAutopilotPx4 ? mavlink::Px4CustomMode(mavlink::kPx4Auto, mavlink::kPx4AutoLand)
-                                                    : std::uint32_t{mavlink::kCopterLand});
+    return mode == (make_ == mavlink::kAutopilotPx4
+                        ? mavlink::Px4CustomMode(mavlink::kPx4Auto, mavlink::kPx4AutoLand)
+                        : std::uint32_t{mavlink::kCopterLand});
   }
 
   void Move(double dt_s) {
@@ -109,15 +112,20 @@ class FakeAutopilot {
     std::uint8_t result = kResultAccepted;
     switch (command.command) {
       case kCmdSetMessageInterval:
-        intervals_ms_[static_cast<std::uint32_t>(command.param1)] = static_cast<std::uint32_t>(command.param2 / 1000.0F);
+        intervals_ms_[static_cast<std::uint32_t>(command.param1)] =
+            static_cast<std::uint32_t>(command.param2 / 1000.0F);
         break;
-      case kCmdRequestMessage: SendMessage(static_cast<std::uint32_t>(command.param1)); break;
+      case kCmdRequestMessage:
+        SendMessage(static_cast<std::uint32_t>(command.param1));
+        break;
       case kCmdDoSetMode:
         mode = make_ == kAutopilotPx4 ? static_cast<std::uint32_t>(command.param2) << 16
                                       : static_cast<std::uint32_t>(command.param2);
         if (make_ == kAutopilotPx4 && setpoints.empty()) result = kResultFailed;
         break;
-      case kCmdNavLand: mode = Px4CustomMode(kPx4Auto, kPx4AutoLand); break;
+      case kCmdNavLand:
+        mode = Px4CustomMode(kPx4Auto, kPx4AutoLand);
+        break;
       case kCmdComponentArmDisarm:
         if (!arming_complaint.empty() || IsLanding()) {
           result = kResultFailed;
@@ -137,7 +145,8 @@ class FakeAutopilot {
           target_ned_m_ = {position_ned_m.x(), position_ned_m.y(), -command.param7};
         }
         break;
-      default: result = kResultUnsupported;
+      default:
+        result = kResultUnsupported;
     }
     mavlink::CommandAck ack;
     ack.command = command.command;
@@ -193,7 +202,9 @@ class FakeAutopilot {
       Say(m);
     } else if (id == ExtendedSysState::kId) {
       ExtendedSysState m;
-      m.landed_state = is_climbing_ && IsInAir() ? kLandedTakeoff : IsInAir() ? kLandedInAir : kLandedOnGround;
+      m.landed_state = is_climbing_ && IsInAir() ? kLandedTakeoff
+                       : IsInAir()               ? kLandedInAir
+                                                 : kLandedOnGround;
       Say(m);
     } else if (id == EkfStatusReport::kId) {
       EkfStatusReport m;

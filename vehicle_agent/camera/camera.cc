@@ -18,6 +18,7 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr std::size_t kMaxPictureBytes = 64u << 20;
+constexpr std::chrono::milliseconds kLook(50);  // Between two looks at what the pipeline tells.
 constexpr const char* kSinkName = "soffit_picture";
 
 std::int64_t NowUtc_ns() {
@@ -50,7 +51,8 @@ class Pipeline {
     if (error || !pipeline) {
       return InvalidInput("pipeline '" + description + "': " + (error ? error->message : "cannot be made"));
     }
-    Owned<GstElement> sink(GST_IS_BIN(pipeline.get()) ? gst_bin_get_by_name(GST_BIN(pipeline.get()), kSinkName) : nullptr);
+    Owned<GstElement> sink(
+        GST_IS_BIN(pipeline.get()) ? gst_bin_get_by_name(GST_BIN(pipeline.get()), kSinkName) : nullptr);
     if (!sink) return InvalidInput("pipeline '" + description + "': cannot be ended with a sink");
     return std::unique_ptr<Pipeline>(new Pipeline(std::move(pipeline), std::move(sink)));
   }
@@ -60,12 +62,10 @@ class Pipeline {
   void Start() { gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING); }
   void Stop() { gst_element_set_state(pipeline_.get(), GST_STATE_NULL); }
 
-  /// Appends the next buffer to `bytes`; false when none came until the deadline, or the stream is at its end.
-  bool Pull(std::vector<std::uint8_t>& bytes, steady_clock::time_point deadline) {
-    const auto wait = std::max(deadline - steady_clock::now(), steady_clock::duration::zero());
-    const auto wait_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(wait).count();
+  /// Appends the next buffer to `bytes`; false when none comes within `wait`, or the stream is at its end.
+  bool Pull(std::vector<std::uint8_t>& bytes, std::chrono::nanoseconds wait) {
     const Owned<GstSample> sample(
-        gst_app_sink_try_pull_sample(GST_APP_SINK(sink_.get()), static_cast<GstClockTime>(wait_ns)));
+        gst_app_sink_try_pull_sample(GST_APP_SINK(sink_.get()), static_cast<GstClockTime>(wait.count())));
     GstBuffer* buffer = sample ? gst_sample_get_buffer(sample.get()) : nullptr;
     GstMapInfo map;
     if (buffer == nullptr || gst_buffer_map(buffer, &map, GST_MAP_READ) == FALSE) return false;
@@ -88,16 +88,23 @@ class Pipeline {
   }
 
  private:
-  Pipeline(Owned<GstElement> pipeline, Owned<GstElement> sink) : pipeline_(std::move(pipeline)), sink_(std::move(sink)) {}
+  Pipeline(Owned<GstElement> pipeline, Owned<GstElement> sink)
+      : pipeline_(std::move(pipeline)), sink_(std::move(sink)) {}
 
   Owned<GstElement> pipeline_;
   Owned<GstElement> sink_;
 };
 
-std::string DescribeFailure(Pipeline& pipeline, const CameraOptions& options) {
-  const std::string error = pipeline.FindError();
-  if (!error.empty()) return error;
-  return "no picture within " + std::to_string(static_cast<int>(options.timeout_s * 1000.0)) + " ms";
+steady_clock::time_point After(double seconds) {
+  return steady_clock::now() +
+         std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+/// What kept a picture from coming, for people. `error` is what the pipeline told; empty: nothing.
+Error DescribeFailure(const std::string& error, const CameraOptions& options) {
+  const std::string what =
+      error.empty() ? "no picture within " + std::to_string(options.timeout_s) + " s" : error;
+  return Unavailable(what + " (" + options.pipeline + ")");
 }
 
 /// The pipeline runs to its end for each picture: an HTTP snapshot, a file, a still camera.
@@ -107,17 +114,19 @@ class SnapshotCamera : public Camera {
       : pipeline_(std::move(pipeline)), options_(options) {}
 
   Result<Picture> Take() override {
-    const auto deadline = steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(
-                                                    std::chrono::duration<double>(options_.timeout_s));
+    const auto deadline = After(options_.timeout_s);
     std::vector<std::uint8_t> bytes;
+    std::string error;
     pipeline_->Start();
-    while (bytes.size() < kMaxPictureBytes && pipeline_->Pull(bytes, deadline)) {
+    while (!pipeline_->IsAtEnd() && error.empty() && bytes.size() < kMaxPictureBytes &&
+           steady_clock::now() < deadline) {
+      if (!pipeline_->Pull(bytes, kLook)) error = pipeline_->FindError();
     }
     const std::int64_t arrival_utc_ns = NowUtc_ns();
     const bool is_whole = pipeline_->IsAtEnd() && !bytes.empty();
-    const std::string failure = is_whole ? "" : DescribeFailure(*pipeline_, options_);
+    if (!is_whole && error.empty()) error = pipeline_->FindError();
     pipeline_->Stop();
-    if (!is_whole) return Unavailable(failure);
+    if (!is_whole) return DescribeFailure(error, options_);
     return MakePicture(std::move(bytes), arrival_utc_ns, options_);
   }
 
@@ -135,19 +144,22 @@ class StreamCamera : public Camera {
   }
 
   Result<Picture> Take() override {
-    const auto deadline = steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(
-                                                    std::chrono::duration<double>(options_.timeout_s));
+    const auto deadline = After(options_.timeout_s);
     const std::int64_t called_utc_ns = NowUtc_ns();
-    while (steady_clock::now() < deadline) {
+    std::string error;
+    while (error.empty() && steady_clock::now() < deadline) {
       std::vector<std::uint8_t> bytes;
-      if (!pipeline_->Pull(bytes, deadline)) break;
+      if (!pipeline_->Pull(bytes, kLook)) {
+        error = pipeline_->FindError();
+        if (error.empty() && pipeline_->IsAtEnd()) error = "the stream has ended";
+        continue;
+      }
       Result<Picture> picture = MakePicture(std::move(bytes), NowUtc_ns(), options_);
       if (!picture.ok() || picture.value().exposure_utc_ns >= called_utc_ns) return picture;
     }
-    const std::string failure = DescribeFailure(*pipeline_, options_);
     pipeline_->Stop();  // A lost device comes back only to a pipeline that is started anew.
     pipeline_->Start();
-    return Unavailable(failure);
+    return DescribeFailure(error, options_);
   }
 
  private:
@@ -194,7 +206,8 @@ Result<std::unique_ptr<Camera>> OpenFolder(const CameraOptions& options) {
 bool IsPresent(const CameraOptions& options) { return !options.pipeline.empty() || !options.folder.empty(); }
 
 Result<Intrinsics> MakeIntrinsics(const CameraOptions& options) {
-  Intrinsics intrinsics{options.width_px, options.height_px, options.fx_px, options.fy_px, options.cx_px, options.cy_px, {}};
+  Intrinsics intrinsics{
+      options.width_px, options.height_px, options.fx_px, options.fy_px, options.cx_px, options.cy_px, {}};
   if (options.distortion.size() != intrinsics.distortion.size()) {
     return InvalidInput("distortion has " + std::to_string(options.distortion.size()) +
                         " numbers, must have 5: k1, k2, p1, p2, k3");
@@ -203,7 +216,8 @@ Result<Intrinsics> MakeIntrinsics(const CameraOptions& options) {
   return intrinsics;
 }
 
-Result<Picture> MakePicture(std::vector<std::uint8_t> bytes, std::int64_t arrival_utc_ns, const CameraOptions& options) {
+Result<Picture> MakePicture(std::vector<std::uint8_t> bytes, std::int64_t arrival_utc_ns,
+                            const CameraOptions& options) {
   const Result<JpegInfo> info = CheckJpeg(bytes);
   if (!info.ok()) return info.error();
   const auto& [width_px, height_px] = info.value();

@@ -30,16 +30,24 @@ struct CameraOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& field) {
-    field("pipeline", self.pipeline, OptionInfo{0, 0, "", "GStreamer pipeline that gives JPEG, without a sink; empty: no such camera"});
-    field("folder", self.folder, OptionInfo{0, 0, "", "Instead: a folder of JPEG pictures, taken in the order of their names"});
-    field("is_stream", self.is_stream, OptionInfo{0, 1, "", "true: the pipeline runs all the time, each buffer is a picture; false: it is started for each picture and runs to its end"});
-    field("latency_s", self.latency_s, OptionInfo{0.0, 10.0, "s", "From exposure to arrival, where EXIF does not tell the time of exposure"});
+    field("pipeline", self.pipeline,
+          OptionInfo{0, 0, "", "GStreamer pipeline that gives JPEG, without a sink; empty: no such camera"});
+    field("folder", self.folder,
+          OptionInfo{0, 0, "", "Instead: a folder of JPEG pictures, taken in the order of their names"});
+    field("is_stream", self.is_stream,
+          OptionInfo{0, 1, "",
+                     "true: the pipeline runs all the time, each buffer is a picture; false: it is started "
+                     "for each picture and runs to its end"});
+    field("latency_s", self.latency_s,
+          OptionInfo{0.0, 10.0, "s",
+                     "From exposure to arrival, where EXIF does not tell the time of exposure"});
     field("timeout_s", self.timeout_s, OptionInfo{0.1, 120.0, "s", "For one picture"});
     field("width_px", self.width_px, OptionInfo{16, 20000, "px", ""});
     field("height_px", self.height_px, OptionInfo{16, 20000, "px", ""});
     field("fx_px", self.fx_px, OptionInfo{1.0, 1e5, "px", "Focal length"});
     field("fy_px", self.fy_px, OptionInfo{1.0, 1e5, "px", ""});
-    field("cx_px", self.cx_px, OptionInfo{-1e5, 1e5, "px", "Principal point; pixel centres are at whole numbers"});
+    field("cx_px", self.cx_px,
+          OptionInfo{-1e5, 1e5, "px", "Principal point; pixel centres are at whole numbers"});
     field("cy_px", self.cy_px, OptionInfo{-1e5, 1e5, "px", ""});
     field("distortion", self.distortion, OptionInfo{-100.0, 100.0, "", "plumb_bob: k1, k2, p1, p2, k3"});
     field("mount", self.mount);
@@ -53,7 +61,7 @@ bool IsPresent(const CameraOptions& options);
 Result<Intrinsics> MakeIntrinsics(const CameraOptions& options);
 
 struct Picture {
-  std::vector<std::uint8_t> bytes;     ///< A whole JPEG of the camera's size.
+  std::vector<std::uint8_t> bytes;  ///< A whole JPEG of the camera's size.
   std::int64_t exposure_utc_ns = 0;
 };
 
@@ -62,15 +70,18 @@ class Camera {
  public:
   virtual ~Camera() = default;
 
-  /// A picture that was exposed after the call, waiting for it for at most the configured time. The error is for people,
-  /// and the next call may well succeed.
+  /// A picture that was exposed after the call, waiting for it for at most the configured time. The error is
+  /// for people, and the next call may well succeed.
   virtual Result<Picture> Take() = 0;
 };
 
-/// An error when the pipeline cannot be parsed or the folder cannot be read. Whether the camera answers is not tried.
+/// An error when the pipeline cannot be parsed or the folder cannot be read. Whether the camera answers is
+/// not tried.
 Result<std::unique_ptr<Camera>> OpenCamera(const CameraOptions& options);
 
-/// A picture of the bytes: checked to be whole and of the camera's size, stamped by EXIF or else by arrival and latency.
-Result<Picture> MakePicture(std::vector<std::uint8_t> bytes, std::int64_t arrival_utc_ns, const CameraOptions& options);
+/// A picture of the bytes: checked to be whole and of the camera's size, stamped by EXIF or else by arrival
+/// and latency.
+Result<Picture> MakePicture(std::vector<std::uint8_t> bytes, std::int64_t arrival_utc_ns,
+                            const CameraOptions& options);
 
 }  // namespace soffit

@@ -23,7 +23,8 @@ bool IsFrameHeader(std::uint8_t marker) {
 
 bool StandsAlone(std::uint8_t marker) { return marker == 0x01 || (marker >= 0xd0 && marker <= 0xd7); }
 
-/// Position of the marker that ends the entropy-coded data from `at` on; the size of the file when there is none.
+/// Position of the marker that ends the entropy-coded data from `at` on; the size of the file when there is
+/// none.
 std::size_t SkipScan(std::span<const std::uint8_t> bytes, std::size_t at) {
   for (; at + 1 < bytes.size(); ++at) {
     const std::uint8_t next = bytes[at + 1];
@@ -58,7 +59,8 @@ std::optional<std::int64_t> ParseOffset_s(const std::string& text) {
   int minutes = 0;
   if (text == "Z") return 0;
   if (std::sscanf(text.c_str(), "%c%2d:%2d", &sign, &hours, &minutes) != 3) return std::nullopt;
-  if ((sign != '+' && sign != '-') || hours < 0 || hours > 14 || minutes < 0 || minutes > 59) return std::nullopt;
+  if ((sign != '+' && sign != '-') || hours < 0 || hours > 14 || minutes < 0 || minutes > 59)
+    return std::nullopt;
   return (sign == '+' ? 1 : -1) * (hours * 3600 + minutes * 60);
 }
 
@@ -69,7 +71,8 @@ std::optional<std::int64_t> ParseDateTime_s(const std::string& text) {
   int hour = 0;
   int minute = 0;
   int second = 0;
-  if (std::sscanf(text.c_str(), "%4d:%2u:%2u %2d:%2d:%2d", &year, &month, &day, &hour, &minute, &second) != 6) {
+  if (std::sscanf(text.c_str(), "%4d:%2u:%2u %2d:%2d:%2d", &year, &month, &day, &hour, &minute, &second) !=
+      6) {
     return std::nullopt;
   }
   using namespace std::chrono;
@@ -83,7 +86,8 @@ std::optional<std::int64_t> ParseDateTime_s(const std::string& text) {
 }  // namespace
 
 Result<JpegInfo> CheckJpeg(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() < 4 || bytes[0] != 0xff || bytes[1] != kStartOfImage) return InvalidInput("not a JPEG picture");
+  if (bytes.size() < 4 || bytes[0] != 0xff || bytes[1] != kStartOfImage)
+    return InvalidInput("not a JPEG picture");
   JpegInfo info;
   std::size_t at = 2;
   while (true) {
@@ -96,7 +100,8 @@ Result<JpegInfo> CheckJpeg(std::span<const std::uint8_t> bytes) {
     if (StandsAlone(marker)) continue;
     if (at + 2 > bytes.size()) return InvalidInput("the picture is cut off within a segment");
     const std::size_t length = static_cast<std::size_t>(bytes[at]) << 8 | bytes[at + 1];
-    if (length < 2 || at + length > bytes.size()) return InvalidInput("the picture is cut off within a segment");
+    if (length < 2 || at + length > bytes.size())
+      return InvalidInput("the picture is cut off within a segment");
     if (IsFrameHeader(marker)) {
       if (length < 8) return InvalidInput("the picture is damaged: its frame header is too short");
       info.height_px = bytes[at + 3] << 8 | bytes[at + 4];
@@ -104,7 +109,8 @@ Result<JpegInfo> CheckJpeg(std::span<const std::uint8_t> bytes) {
     }
     at += length;
     if (marker != kStartOfScan) continue;
-    if (info.width_px == 0 || info.height_px == 0) return InvalidInput("the picture is damaged: it has no size");
+    if (info.width_px == 0 || info.height_px == 0)
+      return InvalidInput("the picture is damaged: it has no size");
     at = SkipScan(bytes, at);
   }
   if (info.width_px == 0 || info.height_px == 0) return InvalidInput("the picture is empty");
@@ -120,7 +126,8 @@ std::optional<std::int64_t> FindExposureTime(std::span<const std::uint8_t> jpeg)
   const auto local_s = ParseDateTime_s(ReadText(*data, EXIF_TAG_DATE_TIME_ORIGINAL));
   const auto offset_s = ParseOffset_s(ReadText(*data, kOffsetTimeOriginal));
   if (!local_s || !offset_s) return std::nullopt;
-  return (*local_s - *offset_s) * 1'000'000'000 + ParseFraction_ns(ReadText(*data, EXIF_TAG_SUB_SEC_TIME_ORIGINAL));
+  return (*local_s - *offset_s) * 1'000'000'000 +
+         ParseFraction_ns(ReadText(*data, EXIF_TAG_SUB_SEC_TIME_ORIGINAL));
 }
 
 }  // namespace soffit

@@ -13,14 +13,14 @@ struct JpegInfo {
   int height_px = 0;
 };
 
-/// Whether the bytes are one whole JPEG file, from its first marker to its last: every segment within the file, one
-/// frame header before the first scan, the end marker at the end (padding behind it is allowed). Nothing is decoded.
-/// The error says what is wrong.
+/// Whether the bytes are one whole JPEG file, from its first marker to its last: every segment within the
+/// file, one frame header before the first scan, the end marker at the end (padding behind it is allowed).
+/// Nothing is decoded. The error says what is wrong.
 Result<JpegInfo> CheckJpeg(std::span<const std::uint8_t> bytes);
 
 /// UTC nanoseconds of the exposure by the picture's EXIF data: DateTimeOriginal, SubSecTimeOriginal and
-/// OffsetTimeOriginal. None when one of the first and the last is missing or malformed: a local time without its offset
-/// says nothing.
+/// OffsetTimeOriginal. None when one of the first and the last is missing or malformed: a local time without
+/// its offset says nothing.
 std::optional<std::int64_t> FindExposureTime(std::span<const std::uint8_t> jpeg);
 
 }  // namespace soffit

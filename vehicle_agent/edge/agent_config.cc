@@ -16,7 +16,8 @@ std::string FindConfigProblem(const AgentConfig& config) {
   if (!config.guard.fence.empty()) {
     Ring ring;
     for (const FenceCorner& corner : config.guard.fence) ring.emplace_back(corner.east_m, corner.north_m);
-    if (!IsSimple(ring)) return "guard.fence: must have three corners or more, and no two of its sides may cross";
+    if (!IsSimple(ring))
+      return "guard.fence: must have three corners or more, and no two of its sides may cross";
     if (!Contains(ring, Eigen::Vector2d::Zero())) return "guard.fence: home, at (0, 0), must be inside";
   }
   if (config.agent.return_after_silence_s <= config.agent.hold_after_silence_s) {
@@ -35,7 +36,8 @@ AgentIdentity MakeIdentity(const AgentConfig& config, std::uint64_t epoch) {
   for (const auto& [id, options] : ListCameras(config)) {
     identity.cameras.push_back(id);
     // The list ends with the gimbal's camera, which is used for all looks when there is one.
-    if (id != CameraId::kDown || identity.cameras.size() == 1) identity.camera = MakeIntrinsics(*options).value();
+    if (id != CameraId::kDown || identity.cameras.size() == 1)
+      identity.camera = MakeIntrinsics(*options).value();
   }
   return identity;
 }

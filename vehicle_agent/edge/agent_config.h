@@ -23,8 +23,10 @@ struct VehicleOptions {
   static void Visit(Self& self, Visitor&& field) {
     field("id", self.id, OptionInfo{1, 1e9, "", "Differs for every vehicle in the domain"});
     field("name", self.name, OptionInfo{0, 0, "", "For people"});
-    field("radius_m", self.radius_m, OptionInfo{0.01, 50.0, "m", "Of the upright cylinder that holds the whole vehicle"});
-    field("height_m", self.height_m, OptionInfo{0.01, 50.0, "m", "Of that cylinder, about the vehicle's centre"});
+    field("radius_m", self.radius_m,
+          OptionInfo{0.01, 50.0, "m", "Of the upright cylinder that holds the whole vehicle"});
+    field("height_m", self.height_m,
+          OptionInfo{0.01, 50.0, "m", "Of that cylinder, about the vehicle's centre"});
     field("safety_margin_m", self.safety_margin_m, OptionInfo{0.0, 50.0, "m", "Kept from everything"});
   }
 };
@@ -60,10 +62,15 @@ struct AgentConfig {
   static void Visit(Self& self, Visitor&& field) {
     field("vehicle", self.vehicle);
     field("mavlink", self.mavlink,
-          OptionInfo{0, 0, "", "Link to the autopilot: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD"});
-    field("state_rate_hz", self.state_rate_hz, OptionInfo{2.0, 50.0, "Hz", "How often the vehicle's state is published"});
-    field("pose_wait_s", self.pose_wait_s, OptionInfo{0.0, 5.0, "s", "How long a picture waits for the pose of its exposure"});
-    field("send_timeout_s", self.send_timeout_s, OptionInfo{1.0, 300.0, "s", "For one picture to arrive at the service"});
+          OptionInfo{
+              0, 0, "",
+              "Link to the autopilot: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD"});
+    field("state_rate_hz", self.state_rate_hz,
+          OptionInfo{2.0, 50.0, "Hz", "How often the vehicle's state is published"});
+    field("pose_wait_s", self.pose_wait_s,
+          OptionInfo{0.0, 5.0, "s", "How long a picture waits for the pose of its exposure"});
+    field("send_timeout_s", self.send_timeout_s,
+          OptionInfo{1.0, 300.0, "s", "For one picture to arrive at the service"});
     field("log_level", self.log_level, OptionInfo{0, 0, "", "trace, debug, info, warning, error"});
     field("radio", self.radio);
     field("autopilot", self.autopilot);

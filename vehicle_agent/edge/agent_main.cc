@@ -51,7 +51,8 @@ int main(int argc, char** argv) try {
   app.add_option("--config", path, "YAML file; without it, the defaults");
   app.add_flag("--print-config", prints, "Print the configuration with units, bounds and help, and end");
   app.add_flag("--check", checks, "Talk to autopilot and cameras, say what does not work, and end");
-  app.add_option("--timeout", timeout_s, "How long --check waits for the autopilot [s]")->capture_default_str();
+  app.add_option("--timeout", timeout_s, "How long --check waits for the autopilot [s]")
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
 
   const soffit::Result<soffit::AgentConfig> config = ReadConfig(path);

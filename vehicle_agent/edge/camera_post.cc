@@ -6,7 +6,8 @@ namespace soffit {
 namespace {
 
 constexpr std::chrono::seconds kTryAgainAfter(3);
-constexpr std::chrono::milliseconds kBreath(300);  // A camera that just failed is given time before the next request.
+constexpr std::chrono::milliseconds kBreath(
+    300);  // A camera that just failed is given time before the next request.
 
 }  // namespace
 

@@ -10,8 +10,8 @@
 
 namespace soffit {
 
-/// One camera on its own thread. It is tried when the post is opened and whenever it failed, until it answers, so that a
-/// missing camera is known before it is needed.
+/// One camera on its own thread. It is tried when the post is opened and whenever it failed, until it
+/// answers, so that a missing camera is known before it is needed.
 class CameraPost {
  public:
   CameraPost(CameraId id, const CameraOptions& options, Mailbox& mailbox);

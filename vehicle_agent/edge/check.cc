@@ -37,15 +37,19 @@ bool CheckAutopilot(const AgentConfig& config, double timeout_s, const std::atom
     if (telemetry.is_connected && telemetry.not_ready.empty() && autopilot.ClockUncertainty_s()) break;
   }
   if (!telemetry.is_connected) {
-    Print(false, "autopilot", telemetry.not_ready + " on " + link.value()->Url() + " within " + Number(timeout_s, 0) + " s");
+    Print(false, "autopilot",
+          telemetry.not_ready + " on " + link.value()->Url() + " within " + Number(timeout_s, 0) + " s");
     return false;
   }
   Print(true, "autopilot", telemetry.autopilot + ", mode " + telemetry.mode);
-  Print(telemetry.not_ready.empty(), "ready to fly", telemetry.not_ready.empty() ? "it would arm" : telemetry.not_ready);
+  Print(telemetry.not_ready.empty(), "ready to fly",
+        telemetry.not_ready.empty() ? "it would arm" : telemetry.not_ready);
   const auto clock_s = autopilot.ClockUncertainty_s();
-  Print(clock_s.has_value(), "clock", clock_s ? "known to " + Number(*clock_s * 1e3, 1) + " ms" : "TIMESYNC is not answered");
+  Print(clock_s.has_value(), "clock",
+        clock_s ? "known to " + Number(*clock_s * 1e3, 1) + " ms" : "TIMESYNC is not answered");
   if (telemetry.battery_ratio >= 0.0) {
-    Print(telemetry.battery_ratio >= config.guard.min_battery_ratio, "battery", Number(100.0 * telemetry.battery_ratio, 0) + " %");
+    Print(telemetry.battery_ratio >= config.guard.min_battery_ratio, "battery",
+          Number(100.0 * telemetry.battery_ratio, 0) + " %");
   }
   return telemetry.not_ready.empty() && clock_s.has_value();
 }
@@ -67,8 +71,8 @@ bool CheckCamera(CameraId id, const CameraOptions& options) {
   const double age_s = ToSeconds(got.utc_ns - picture.value().exposure_utc_ns);
   const bool is_timely = age_s >= -0.05 && age_s <= SecondsBetween(asked, got) + options.latency_s + 0.05;
   Print(is_timely || !options.folder.empty(), name,
-        std::to_string(picture.value().bytes.size() / 1024) + " KiB, exposed " + Number(age_s, 3) + " s before it arrived" +
-            (is_timely ? "" : ": its clock or latency_s is wrong"));
+        std::to_string(picture.value().bytes.size() / 1024) + " KiB, exposed " + Number(age_s, 3) +
+            " s before it arrived" + (is_timely ? "" : ": its clock or latency_s is wrong"));
   return is_timely || !options.folder.empty();
 }
 

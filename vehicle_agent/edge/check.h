@@ -6,8 +6,8 @@
 
 namespace soffit {
 
-/// Talks to autopilot and cameras for up to `timeout_s` and prints in plain words what works and what does not. Commands
-/// nothing. Returns whether all is well.
+/// Talks to autopilot and cameras for up to `timeout_s` and prints in plain words what works and what does
+/// not. Commands nothing. Returns whether all is well.
 bool CheckVehicle(const AgentConfig& config, double timeout_s, const std::atomic<bool>& stop);
 
 }  // namespace soffit

@@ -39,8 +39,8 @@ Capture MakeCapture(const ExposureRequest& request, Picture picture, const Camer
   capture.has_trusted_pose = is_trusted;
   capture.position_std_m = std::hypot(telemetry.position_std_m,
                                       telemetry.velocity_in_map_mps.norm() * context.clock_uncertainty_s);
-  capture.orientation_std_rad = std::hypot(telemetry.orientation_std_rad,
-                                           telemetry.rotation_rate_radps * context.clock_uncertainty_s);
+  capture.orientation_std_rad =
+      std::hypot(telemetry.orientation_std_rad, telemetry.rotation_rate_radps * context.clock_uncertainty_s);
   capture.bytes = std::move(picture.bytes);
   return capture;
 }

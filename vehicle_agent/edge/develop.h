@@ -10,13 +10,14 @@ namespace soffit {
 /// What is known of a picture beside its bytes when it is made into a capture.
 struct ExposureContext {
   std::uint32_t vehicle_id = 0;
-  Telemetry telemetry;               ///< Of now.
+  Telemetry telemetry;  ///< Of now.
   bool trusts_poses = false;
   double clock_uncertainty_s = 0.0;  ///< Of the autopilot's clock.
 };
 
-/// The pose of the camera at the exposure by the buffer. Without a pose there, the present one, marked as not trusted.
-/// `camera` says how the pose is made up: a fixed mount turns with the body, a gimbal's with the gimbal.
+/// The pose of the camera at the exposure by the buffer. Without a pose there, the present one, marked as not
+/// trusted. `camera` says how the pose is made up: a fixed mount turns with the body, a gimbal's with the
+/// gimbal.
 Capture MakeCapture(const ExposureRequest& request, Picture picture, const CameraOptions& options,
                     const PoseBuffer& poses, const ExposureContext& context);
 

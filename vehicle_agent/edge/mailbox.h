@@ -23,7 +23,8 @@ struct CameraTried {
   std::string problem;
 };
 
-using Letter = std::variant<FlightCommand, ServiceHeartbeat, RivalHeard, PictureTaken, CameraTried, PictureOutcome>;
+using Letter =
+    std::variant<FlightCommand, ServiceHeartbeat, RivalHeard, PictureTaken, CameraTried, PictureOutcome>;
 
 /// From the threads of bus, cameras and sender to the one that thinks.
 class Mailbox {

@@ -6,15 +6,14 @@
 #include <mutex>
 #include <thread>
 
+#include "shared/dds/writer.h"
 #include "shared/wire/topics.h"
 #include "vehicle_agent/edge/mailbox.h"
 
-#include "shared/dds/writer.h"
-
 namespace soffit {
 
-/// Hands pictures over to the service, one after another, on its own thread: waits for someone to read them and for the
-/// link to have room, and until they are acknowledged. The outcome comes as PictureOutcome.
+/// Hands pictures over to the service, one after another, on its own thread: waits for someone to read them
+/// and for the link to have room, and until they are acknowledged. The outcome comes as PictureOutcome.
 class PictureSender {
  public:
   PictureSender(const Participant& radio, double timeout_s, Mailbox& mailbox);

@@ -28,7 +28,8 @@ Instant ReadClocks() {
 Result<std::unique_ptr<Station>> Station::Open(const AgentConfig& config, std::uint64_t epoch) {
   Result<std::unique_ptr<mavlink::Link>> link = mavlink::OpenLink(config.mavlink);
   if (!link.ok()) return link.error();
-  Result<Participant> radio = Participant::Join("soffit-agent " + config.vehicle.name, config.radio, MakeProblemLogger());
+  Result<Participant> radio =
+      Participant::Join("soffit-agent " + config.vehicle.name, config.radio, MakeProblemLogger());
   if (!radio.ok()) return radio.error();
   return std::unique_ptr<Station>(
       new Station(config, epoch, std::move(link).value(), std::move(radio).value()));
@@ -45,28 +46,31 @@ Station::Station(const AgentConfig& config, std::uint64_t epoch, std::unique_ptr
       acks_(radio_),
       sender_(radio_, config.send_timeout_s, mailbox_),
       commands_(radio_, [this](const FlightCommand& command) { mailbox_.Put(command); }),
-      heartbeats_(radio_,
-                  [this, id = static_cast<std::uint32_t>(config.vehicle.id)](const MissionHeartbeat& heartbeat) {
-                    if (heartbeat.vehicle_id == id) mailbox_.Put(ServiceHeartbeat{heartbeat.mission_id});
-                  }),
-      others_(radio_, [this, id = static_cast<std::uint32_t>(config.vehicle.id), epoch](const VehicleState& state) {
-        if (state.vehicle_id == id && state.agent_epoch != epoch) {
-          mailbox_.Put(RivalHeard{state.agent_epoch, state.name});
-        }
-      }) {
+      heartbeats_(
+          radio_,
+          [this, id = static_cast<std::uint32_t>(config.vehicle.id)](const MissionHeartbeat& heartbeat) {
+            if (heartbeat.vehicle_id == id) mailbox_.Put(ServiceHeartbeat{heartbeat.mission_id});
+          }),
+      others_(radio_,
+              [this, id = static_cast<std::uint32_t>(config.vehicle.id), epoch](const VehicleState& state) {
+                if (state.vehicle_id == id && state.agent_epoch != epoch) {
+                  mailbox_.Put(RivalHeard{state.agent_epoch, state.name});
+                }
+              }) {
   for (const auto& [id, options] : ListCameras(config_)) {
     cameras_[id] = std::make_unique<CameraPost>(id, *options, mailbox_);
     health_.problems[id] = "was not tried yet";
   }
   Tell(health_, ReadClocks());
-  spdlog::info("vehicle {} '{}': MAVLink on {}, DDS domain {}", config.vehicle.id, config.vehicle.name, link_->Url(),
-               config.radio.domain_id);
+  spdlog::info("vehicle {} '{}': MAVLink on {}, DDS domain {}", config.vehicle.id, config.vehicle.name,
+               link_->Url(), config.radio.domain_id);
   if (cameras_.empty()) spdlog::warn("no camera is configured: every look will be refused");
 }
 
 void Station::Run(const std::atomic<bool>& stop) {
   while (!stop) {
-    for (const mavlink::Frame& frame : parser_.Feed(link_->Receive(kBeat))) autopilot_.Receive(frame, ReadClocks());
+    for (const mavlink::Frame& frame : parser_.Feed(link_->Receive(kBeat)))
+      autopilot_.Receive(frame, ReadClocks());
     const Instant now = ReadClocks();
     OpenLetters(now);
     DevelopPictures(now);
@@ -104,8 +108,8 @@ void Station::Open(const CameraTried& tried, Instant now) {
 
 void Station::Open(const PictureTaken& taken, Instant now) {
   if (!taken.picture.ok()) {
-    return Tell(PictureOutcome{taken.request.request_id,
-                               std::string(ToString(taken.request.camera)) + " camera: " + taken.picture.error().message},
+    return Tell(PictureOutcome{taken.request.request_id, std::string(ToString(taken.request.camera)) +
+                                                             " camera: " + taken.picture.error().message},
                 now);
   }
   negatives_.push_back({taken, now});

@@ -26,7 +26,8 @@ class Station {
   /// An error when the link cannot be opened or the domain cannot be entered.
   static Result<std::unique_ptr<Station>> Open(const AgentConfig& config, std::uint64_t epoch);
 
-  /// Works until `stop` is set. A missing autopilot, camera or service is waited for and told in the vehicle's state.
+  /// Works until `stop` is set. A missing autopilot, camera or service is waited for and told in the
+  /// vehicle's state.
   void Run(const std::atomic<bool>& stop);
 
  private:
@@ -35,7 +36,8 @@ class Station {
     Instant since;
   };
 
-  Station(const AgentConfig& config, std::uint64_t epoch, std::unique_ptr<mavlink::Link> link, Participant radio);
+  Station(const AgentConfig& config, std::uint64_t epoch, std::unique_ptr<mavlink::Link> link,
+          Participant radio);
 
   void ExchangeWithAutopilot(Instant now);
   void OpenLetters(Instant now);

@@ -91,7 +91,8 @@ TEST(AutopilotClient, SendsNoFlightCommandWithoutAnIntent) {
   Talk talk;
   talk.Run(5.0);
   for (const auto& command : talk.autopilot.commands) {
-    EXPECT_TRUE(command.command == mavlink::kCmdSetMessageInterval || command.command == mavlink::kCmdRequestMessage);
+    EXPECT_TRUE(command.command == mavlink::kCmdSetMessageInterval ||
+                command.command == mavlink::kCmdRequestMessage);
   }
   EXPECT_THAT(talk.autopilot.setpoints, IsEmpty());
 }
@@ -144,10 +145,12 @@ TEST(AutopilotClient, ArmsInTheRightOrderAndWaitsForTheHeight) {
   EXPECT_THAT(talk.autopilot.setpoints, IsEmpty());
   std::vector<std::uint16_t> order;
   for (const auto& command : talk.autopilot.commands) {
-    const bool is_stream = command.command == mavlink::kCmdSetMessageInterval || command.command == mavlink::kCmdRequestMessage;
+    const bool is_stream =
+        command.command == mavlink::kCmdSetMessageInterval || command.command == mavlink::kCmdRequestMessage;
     if (!is_stream && (order.empty() || order.back() != command.command)) order.push_back(command.command);
   }
-  EXPECT_EQ(order, (std::vector<std::uint16_t>{mavlink::kCmdDoSetMode, mavlink::kCmdComponentArmDisarm, mavlink::kCmdNavTakeoff}));
+  EXPECT_EQ(order, (std::vector<std::uint16_t>{mavlink::kCmdDoSetMode, mavlink::kCmdComponentArmDisarm,
+                                               mavlink::kCmdNavTakeoff}));
 }
 
 TEST(AutopilotClient, TellsWhyTheAutopilotDoesNotArm) {
