@@ -96,6 +96,12 @@ nlohmann::json ToJson(const ObjectTruth& object) {
 
 }  // namespace
 
+std::vector<Polygon> FindFootprint(const Structure& building) {
+  std::vector<Triangle> triangles;
+  AddTriangles(BuildMesh(building), triangles);
+  return ProjectDown(triangles);
+}
+
 const char* ToString(Outcome outcome) {
   switch (outcome) {
     case Outcome::kNotFlown: return "not-flown";

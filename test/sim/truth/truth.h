@@ -28,6 +28,9 @@ struct ObjectTruth {
   std::vector<Passage> passages;   ///< Best first, no two nearly the same; also those that are too tight.
 };
 
+/// Vertical projection of everything of the building, largest piece first.
+std::vector<Polygon> FindFootprint(const Structure& building);
+
 /// How a mission has to end. The zero value: nothing is flown.
 enum class Outcome { kNotFlown, kFlown, kNoMatch };
 const char* ToString(Outcome outcome);  ///< "not-flown", "flown", "no-match".
