@@ -55,6 +55,39 @@ std::function<Status()> AddTruth(CLI::App& app, WorldOptions& options) {
   };
 }
 
+std::function<Status()> AddDescribe(CLI::App& app, WorldOptions& options) {
+  CLI::App* describe = app.add_subcommand("describe", "Print camera, vehicle and mission of a world");
+  describe->add_option("WORLD", options.world_file, "World file (YAML)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  return [describe, &options] {
+    return describe->parsed() ? soffit::sim::PrintDescription(options.world_file) : soffit::OkStatus();
+  };
+}
+
+std::function<Status()> AddReference(CLI::App& app, WorldOptions& options) {
+  CLI::App* reference = app.add_subcommand("reference", "Write the reference bitmap of what is wanted");
+  reference->add_option("WORLD", options.world_file, "World file (YAML)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  reference->add_option("--out", options.out_file, "PNG to write")->required();
+  return [reference, &options] {
+    return reference->parsed() ? soffit::sim::WriteReference(options.world_file, options.out_file)
+                               : soffit::OkStatus();
+  };
+}
+
+std::function<Status()> AddSurvey(CLI::App& app, WorldOptions& options) {
+  CLI::App* survey = app.add_subcommand("survey", "Render a survey of a world, with the truth beside it");
+  survey->add_option("WORLD", options.world_file, "World file (YAML)")->required()->check(CLI::ExistingFile);
+  survey->add_option("--out", options.out_file, "Folder to write")->required();
+  survey->add_option("--seed", options.seed, "Of places, noise and errors of the poses");
+  return [survey, &options] {
+    return survey->parsed() ? soffit::sim::WriteSurveyOf(options.world_file, options.seed, options.out_file)
+                            : soffit::OkStatus();
+  };
+}
+
 std::function<Status()> AddDraw(CLI::App& app, WorldOptions& options) {
   CLI::App* draw = app.add_subcommand("draw", "Write a random world, always the same for a seed");
   draw->add_option("--seed", options.seed)->required();
@@ -74,7 +107,8 @@ int main(int argc, char** argv) {
   soffit::sim::RunOptions run_options;
   WorldOptions world_options;
   const std::vector<std::function<Status()>> commands = {
-      AddRun(app, run_options), AddTruth(app, world_options), AddDraw(app, world_options)};
+      AddRun(app, run_options),         AddDescribe(app, world_options), AddTruth(app, world_options),
+      AddReference(app, world_options), AddDraw(app, world_options),     AddSurvey(app, world_options)};
   CLI11_PARSE(app, argc, argv);
   for (const auto& command : commands) {
     if (const Status status = command(); !status.ok()) {
