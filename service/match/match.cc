@@ -18,8 +18,8 @@ using Eigen::Vector2d;
 using std::numbers::pi;
 
 constexpr std::size_t kSectors = 72;
-constexpr double kWordTolerance = 0.06;       ///< Of the square root of the area.
-constexpr double kMaxProfileDistance = 0.25;  ///< Of the area; farther shapes are not compared in detail.
+constexpr double kWordTolerance = 0.06;  ///< Of the square root of the area.
+constexpr double kProfileError = 0.006;  ///< Of profile distances, for each perimeter over `side`.
 constexpr double kMaxWordCost = 0.35;
 constexpr std::size_t kMaxRotations = 8;
 constexpr double kSameRotation_rad = 0.12;
@@ -38,7 +38,8 @@ struct Shape {
   const Polygon* polygon = nullptr;
   double roughness = 0.0;  ///< Over `side`.
   Vector2d centroid = Vector2d::Zero();
-  double side = 0.0;  ///< Square root of the area.
+  double side = 0.0;       ///< Square root of the area.
+  double perimeter = 0.0;  ///< Over `side`, with holes.
   Profile profile{};
   Word word;
 };
@@ -72,8 +73,12 @@ Shape Describe(const TracedShape& traced) {
   const double area = Area(polygon);
   shape.side = std::sqrt(area);
   shape.roughness = traced.roughness / shape.side;
-  AddToProfile(polygon.outer, shape.centroid, area, shape.profile);
-  for (const Ring& hole : polygon.holes) AddToProfile(hole, shape.centroid, area, shape.profile);
+  const auto add = [&](const Ring& ring) {
+    AddToProfile(ring, shape.centroid, area, shape.profile);
+    shape.perimeter += Perimeter(ring) / shape.side;
+  };
+  add(polygon.outer);
+  std::for_each(polygon.holes.begin(), polygon.holes.end(), add);
   shape.word = Spell(polygon.outer, kWordTolerance * shape.side);
   return shape;
 }
@@ -83,9 +88,17 @@ bool IsUsable(const TracedShape& shape) {
   return polygon.outer.size() >= 3 && std::isfinite(Area(polygon)) && Area(polygon) > 0.0;
 }
 
-double ProfileDistance(const Profile& a, const Profile& b, std::size_t shift) {
+/// Of `a` turned by `shift` sectors from `b`, as a share of the area; between sectors profiles are taken as
+/// linear.
+double ProfileDistance(const Profile& a, const Profile& b, double shift) {
+  const double whole = std::floor(shift);
+  const double share = shift - whole;
+  const auto first = static_cast<std::size_t>(whole + kSectors) % kSectors;
   double sum = 0.0;
-  for (std::size_t i = 0; i < kSectors; ++i) sum += std::abs(a[i] - b[(i + shift) % kSectors]);
+  for (std::size_t i = 0; i < kSectors; ++i) {
+    const double between = (1.0 - share) * b[(i + first) % kSectors] + share * b[(i + first + 1) % kSectors];
+    sum += std::abs(a[i] - between);
+  }
   return 0.5 * sum;
 }
 
@@ -102,30 +115,49 @@ void AddRotation(std::vector<RotationCandidate>& rotations, const RotationCandid
   if (rotations.size() < kMaxRotations) rotations.push_back(candidate);
 }
 
+/// Misfit of equal shapes that are drawn as roughly as these.
+double ToleranceOf(const Shape& a, const Shape& b) {
+  return std::hypot(kTolerance, kTolerancePerRoughness * std::hypot(a.roughness, b.roughness));
+}
+
+/// The rotations at which the profiles of shapes are nearest, likely ones first. Outlines that lie no farther
+/// apart than twice the tolerance bound areas that differ by at most that times the perimeter, and half of
+/// the difference is the distance of their profiles. Shapes whose profiles lie farther apart have no such
+/// rotation.
+std::vector<RotationCandidate> FindRotationsByProfile(const Shape& a, const Shape& b) {
+  const double allowed = (kProfileError + ToleranceOf(a, b)) * std::max(a.perimeter, b.perimeter);
+  std::array<double, kSectors> distance;
+  for (std::size_t shift = 0; shift < kSectors; ++shift) {
+    distance[shift] = ProfileDistance(a.profile, b.profile, static_cast<double>(shift));
+  }
+  std::vector<RotationCandidate> rotations;
+  for (std::size_t i = 0; i < kSectors; ++i) {
+    if (distance[i] > distance[(i + 1) % kSectors] || distance[i] > distance[(i + kSectors - 1) % kSectors])
+      continue;
+    RotationCandidate best{0.0, std::numeric_limits<double>::infinity()};
+    for (const double part : {-0.5, -0.25, 0.0, 0.25, 0.5}) {
+      const double shift = static_cast<double>(i) + part;
+      const double near = ProfileDistance(a.profile, b.profile, shift);
+      if (near < best.distance) best = {2.0 * pi * shift / kSectors, near};
+    }
+    if (best.distance <= allowed) rotations.push_back(best);
+  }
+  std::stable_sort(
+      rotations.begin(), rotations.end(),
+      [](const RotationCandidate& x, const RotationCandidate& y) { return x.distance < y.distance; });
+  return rotations;
+}
+
 /// Rotations by which `a` may lie like `b`, likely ones first: what the words say, then what the profiles
 /// say. None when the shapes are too different.
 std::vector<double> FindRotations(const Shape& a, const Shape& b) {
-  std::array<double, kSectors> distance;
-  for (std::size_t shift = 0; shift < kSectors; ++shift)
-    distance[shift] = ProfileDistance(a.profile, b.profile, shift);
-  const double nearest = *std::min_element(distance.begin(), distance.end());
-  if (nearest > kMaxProfileDistance) return {};
+  const std::vector<RotationCandidate> by_profile = FindRotationsByProfile(a, b);
+  if (by_profile.empty()) return {};
   std::vector<RotationCandidate> rotations;
   for (const WordAlignment& alignment : AlignWords(a.word, b.word)) {
     if (alignment.cost > kMaxWordCost) break;
     AddRotation(rotations, {alignment.rotation_ccw_rad, alignment.cost});
   }
-  std::vector<RotationCandidate> by_profile;
-  for (std::size_t i = 0; i < kSectors; ++i) {
-    const bool is_least =
-        distance[i] <= distance[(i + 1) % kSectors] && distance[i] <= distance[(i + kSectors - 1) % kSectors];
-    if (is_least && distance[i] < kMaxProfileDistance) {
-      by_profile.push_back({2.0 * pi * static_cast<double>(i) / kSectors, distance[i]});
-    }
-  }
-  std::stable_sort(
-      by_profile.begin(), by_profile.end(),
-      [](const RotationCandidate& x, const RotationCandidate& y) { return x.distance < y.distance; });
   for (const RotationCandidate& candidate : by_profile) AddRotation(rotations, candidate);
   std::vector<double> result;
   for (const RotationCandidate& candidate : rotations) result.push_back(candidate.rotation_ccw_rad);

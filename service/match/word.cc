@@ -20,7 +20,7 @@ constexpr double kMergePrice = 0.01;
 constexpr std::size_t kMaxMerged = 3;
 constexpr std::size_t kMaxSides = 64;  ///< Longer words are not compared side by side.
 
-double WrapAngle(double angle) { return std::remainder(angle, 2.0 * pi); }
+double WrapAngle(double angle) { return angle - 2.0 * pi * std::nearbyint(angle / (2.0 * pi)); }
 
 /// `count` sides from `at` on, taken for one.
 Primitive Merge(const Word& word, std::size_t at, std::size_t count) {
@@ -88,10 +88,12 @@ WordAlignment AlignFrom(const Word& a, const Merged& merged_a, const Word& b, co
           const Primitive& side_b = merged_b[q - 1][at_b];
           const double merging =
               p + q == 2 ? 0.0 : kMergePrice + kTurnPrice * 0.5 * (BendOf(a, i, p) + BendOf(b, at_b, q)) / pi;
+          const double cost = from.cost + PriceOf(side_a, side_b) + merging;
+          Cell& to = cell(i + p, j + q);
+          if (cost >= to.cost) continue;
           const double weight = std::min(side_a.length, side_b.length);
           const double angle = side_b.heading_rad - side_a.heading_rad;
-          relax(cell(i + p, j + q), from.cost + PriceOf(side_a, side_b) + merging,
-                from.sine + weight * std::sin(angle), from.cosine + weight * std::cos(angle));
+          to = {cost, from.sine + weight * std::sin(angle), from.cosine + weight * std::cos(angle)};
         }
       }
     }
