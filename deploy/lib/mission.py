@@ -91,14 +91,14 @@ class Process:
         self.name, self.log = name, log
         self.peak_mib = 0.0
         self.child = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=open(log, "w"),
-                                      stdin=subprocess.DEVNULL, text=True)
+                                      stdin=subprocess.DEVNULL)
 
     def read_json_line(self, timeout_s):
         """The line of JSON that the program prints when it is ready."""
         os.set_blocking(self.child.stdout.fileno(), False)
         until, text = time.monotonic() + timeout_s, ""
         while time.monotonic() < until:
-            text += self.child.stdout.read() or ""
+            text += (self.child.stdout.read() or b"").decode(errors="replace")
             for line in text.splitlines():
                 if line.startswith("{"):
                     return json.loads(line)
@@ -145,7 +145,7 @@ class Mission:
         with dds_domain() as radio, dds_domain() as local:
             try:
                 self.start_programs(radio, local)
-                self.run_mission(local)
+                self.run_mission()
             finally:
                 self.stop_programs()
         outcome = self.judge()
@@ -219,15 +219,13 @@ class Mission:
                         "down": {"pipeline": source % "down", "mount": {"pitch_deg": -90.0}, **camera}},
         }
 
-    def run_mission(self, local):
+    def run_mission(self):
         """Starts the mission over DDS, as an operator does, and follows it to its end."""
-        command = [self.tool("soffit"), "mission", "start", "--domain", local, "--vehicle", VEHICLE_ID,
-                   "--reference", self.reference, "--watch"]
-        center = self.setting["mission"].get("area_center")
-        if center:
-            command += ["--area-center", f"{center[0]},{center[1]}"]
+        command = [self.tool("soffit"), "mission", "start", "--config", self.out / "config" / "soffitd.yaml",
+                   "--vehicle", VEHICLE_ID, "--reference", self.reference, "--watch",
+                   "--area", *self.setting["mission"].get("area_center", [0.0, 0.0])]
         log = open(self.out / "log" / "mission.log", "w")
-        client = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=False)
+        client = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         until = time.monotonic() + self.options.timeout_s
         os.set_blocking(client.stdout.fileno(), False)
         while client.poll() is None:
