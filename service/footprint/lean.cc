@@ -199,21 +199,76 @@ std::vector<Vector2d> SampleRing(const Ring& ring, int count) {
   return points;
 }
 
-/// Mean squared distance between two outlines, both ways.
-double MeanSquaredDistance(const Ring& a, const Ring& b, const Vector2d& b_offset) {
-  double sum = 0.0;
-  double count = 0.0;
-  for (const Vector2d& p : SampleRing(a, kSamples)) {
-    const double d = DistanceToRing(p - b_offset, b);
-    sum += d * d;
-    count += 1.0;
+/// Mean of squared distances in standard deviations. Far parts count for no more than `kFarthest` of them:
+/// they are of something else.
+class RobustMean {
+ public:
+  explicit RobustMean(double std_m) : std_m_(std_m) {}
+
+  void Add(double distance_m) {
+    constexpr double kFarthest = 4.0;
+    const double squared = distance_m * distance_m / (std_m_ * std_m_);
+    sum_ += squared / (1.0 + squared / (kFarthest * kFarthest));
+    count_ += 1.0;
   }
-  for (const Vector2d& p : SampleRing(b, kSamples)) {
-    const double d = DistanceToRing(p + b_offset, a);
-    sum += d * d;
-    count += 1.0;
+  double Value() const { return sum_ / std::max(1.0, count_); }
+
+ private:
+  double std_m_;
+  double sum_ = 0.0;
+  double count_ = 0.0;
+};
+
+/// Between two outlines, both ways.
+double MeanSquaredDistance(const Ring& a, const Ring& b, const Vector2d& b_offset, double std_m) {
+  RobustMean mean(std_m);
+  for (const Vector2d& p : SampleRing(a, kSamples)) mean.Add(DistanceToRing(p - b_offset, b));
+  for (const Vector2d& p : SampleRing(b, kSamples)) mean.Add(DistanceToRing(p + b_offset, a));
+  return mean.Value();
+}
+
+/// The outline on the ground, without what is only the edge of the picture.
+std::vector<Vector2d> SampleInsidePicture(const Silhouette& s) {
+  constexpr double kEdge_px = 4.0;
+  const Intrinsics& k = s.view.intrinsics;
+  std::vector<Vector2d> on_ground;
+  for (const Vector2d& pixel : SampleRing(s.outline.polygon_px.outer, kSamples)) {
+    const bool is_inside = pixel.x() > kEdge_px && pixel.y() > kEdge_px &&
+                           pixel.x() < k.width_px - 1 - kEdge_px && pixel.y() < k.height_px - 1 - kEdge_px;
+    const auto p = is_inside ? MeetHorizontalPlane(s.view, pixel, 0.0) : std::nullopt;
+    if (p) on_ground.push_back(*p);
   }
-  return sum / std::max(1.0, count);
+  return on_ground;
+}
+
+/// From what a cut silhouette shows of its outline to the outline that a building of this footprint and
+/// height would have in its picture: the base of walls that face the nadir, the edge of the roof away from
+/// it, and wall corners.
+double MeanSquaredDistanceOfCut(const Silhouette& cut, const Ring& footprint, double height_m, double std_m) {
+  const Vector2d nadir = Nadir(cut.view);
+  const double stretch = CameraHeight(cut.view) / (CameraHeight(cut.view) - height_m);
+  const std::size_t n = footprint.size();
+  std::vector<std::pair<Vector2d, Vector2d>> lines;
+  std::vector<bool> is_roof;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector2d a = footprint[i] - nadir;
+    const Vector2d b = footprint[(i + 1) % n] - nadir;
+    is_roof.push_back(Cross(a, b - a) > 0.0);
+    const double k = is_roof.back() ? stretch : 1.0;
+    lines.emplace_back(nadir + k * a, nadir + k * b);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (is_roof[i] != is_roof[(i + n - 1) % n]) {
+      lines.emplace_back(footprint[i], nadir + stretch * (footprint[i] - nadir));
+    }
+  }
+  RobustMean mean(std_m);
+  for (const Vector2d& p : SampleInsidePicture(cut)) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [a, b] : lines) least = std::min(least, DistanceToSegment(p, a, b));
+    mean.Add(least);
+  }
+  return mean.Value();
 }
 
 /// How well the place of a corner along its sides is known: two sides in nearly one line hardly tell it.
@@ -240,14 +295,7 @@ class Disagreement {
   Disagreement(const std::vector<Silhouette>& silhouettes, const std::vector<Estimate>& priors)
       : silhouettes_(silhouettes), priors_(priors) {}
 
-  double operator()(double height_m) const { return pair_weight_ * OfPairs(height_m) + OfPriors(height_m); }
-
-  /// Outlines that agree nowhere err more than they say: from now on they count for that much less.
-  void WeighPairs(double ceiling_m, int steps) {
-    double least = std::numeric_limits<double>::infinity();
-    for (int i = 1; i <= steps; ++i) least = std::min(least, OfPairs(ceiling_m * i / steps));
-    pair_weight_ = 1.0 / std::max(1.0, least);
-  }
+  double operator()(double height_m) const { return OfPairs(height_m) + OfPriors(height_m); }
 
  private:
   double OfPairs(double height_m) const {
@@ -255,8 +303,11 @@ class Disagreement {
     std::vector<Polygon> polygons;
     for (const Silhouette& s : silhouettes_) polygons.push_back(Straighten(s, height_m));
     for (std::size_t i = 0; i < polygons.size(); ++i) {
-      for (std::size_t j = i + 1; j < polygons.size(); ++j)
-        sum += Pair(i, j, polygons[i], polygons[j], height_m);
+      for (std::size_t j = i + 1; j < polygons.size(); ++j) {
+        if (!(silhouettes_[i].outline.is_cut && silhouettes_[j].outline.is_cut)) {
+          sum += Pair(i, j, polygons[i], polygons[j], height_m);
+        }
+      }
     }
     return sum;
   }
@@ -274,20 +325,28 @@ class Disagreement {
   double Pair(std::size_t i, std::size_t j, const Polygon& a, const Polygon& b, double height_m) const {
     constexpr double kHopeless = 1e6;
     if (a.outer.empty() || b.outer.empty()) return kHopeless;
-    const double offset_std = std::hypot(PositionStd(silhouettes_[i]), PositionStd(silhouettes_[j]));
-    const Vector2d between = Centroid(Polygon{a.outer, {}}) - Centroid(Polygon{b.outer, {}});
-    const double own_std =
+    const double position_std = std::hypot(PositionStd(silhouettes_[i]), PositionStd(silhouettes_[j]));
+    const double outline_std =
         std::hypot(OutlineStd(silhouettes_[i], a, height_m), OutlineStd(silhouettes_[j], b, height_m));
-    const double share = offset_std * offset_std / (offset_std * offset_std + own_std * own_std);
-    const Vector2d offset = share * between;  // The shift that the pose noise explains.
-    double chi2 = kIndependentSamples * MeanSquaredDistance(a.outer, b.outer, offset) / (own_std * own_std);
-    if (offset_std > 0.0) chi2 += offset.squaredNorm() / (offset_std * offset_std);
+    if (silhouettes_[i].outline.is_cut || silhouettes_[j].outline.is_cut) {
+      const Silhouette& cut = silhouettes_[i].outline.is_cut ? silhouettes_[i] : silhouettes_[j];
+      const Ring& whole = silhouettes_[i].outline.is_cut ? b.outer : a.outer;
+      const double std_m = std::hypot(outline_std, position_std);
+      return 0.5 * kIndependentSamples * MeanSquaredDistanceOfCut(cut, whole, height_m, std_m);
+    }
+    if (position_std == 0.0) {
+      return 0.5 * kIndependentSamples * MeanSquaredDistance(a.outer, b.outer, Vector2d::Zero(), outline_std);
+    }
+    const Vector2d between = Centroid(Polygon{a.outer, {}}) - Centroid(Polygon{b.outer, {}});
+    const Vector2d offset =
+        between * (position_std * position_std / (position_std * position_std + outline_std * outline_std));
+    const double chi2 = kIndependentSamples * MeanSquaredDistance(a.outer, b.outer, offset, outline_std) +
+                        offset.squaredNorm() / (position_std * position_std);
     return 0.5 * chi2;
   }
 
   const std::vector<Silhouette>& silhouettes_;
   const std::vector<Estimate>& priors_;
-  double pair_weight_ = 1.0;
 };
 
 }  // namespace
@@ -390,8 +449,7 @@ std::optional<Estimate> HeightFromParallax(const std::vector<Silhouette>& silhou
   if (!(ceiling_m > 0.0) || silhouettes.empty() || (silhouettes.size() < 2 && priors.empty()))
     return std::nullopt;
   constexpr int kSteps = 80;
-  Disagreement disagreement(silhouettes, priors);
-  disagreement.WeighPairs(ceiling_m, kSteps);
+  const Disagreement disagreement(silhouettes, priors);
   double best_m = 0.0;
   double least = std::numeric_limits<double>::infinity();
   for (int i = 1; i <= kSteps; ++i) {

@@ -177,8 +177,34 @@ Vector2d MeetSides(const Line& a, const Line& b, const Vector2d& breakpoint, dou
 
 struct FitSide {
   Line line;
-  Vector2d start;  ///< The breakpoint before it.
+  Vector2d start;    ///< The breakpoint before it.
+  std::size_t from;  ///< Points [from, to] of the closed sequence, from <= to < 2 n.
+  std::size_t to;
 };
+
+FitSide Fit(const LineFitter& fitter, const std::vector<Vector2d>& points, std::size_t from, std::size_t to) {
+  const std::size_t base = from >= points.size() ? points.size() : 0;
+  const auto trim = static_cast<std::size_t>(kTrimRatio * static_cast<double>(to - from));
+  return {fitter.Fit(from - base + trim, to - base - trim), points[from - base], from - base, to - base};
+}
+
+/// Neighbours that one line explains within `tolerance` become one side.
+void JoinStraightSides(std::vector<FitSide>& sides, const LineFitter& fitter,
+                       const std::vector<Vector2d>& points, double tolerance) {
+  for (std::size_t i = 0; i < sides.size() && sides.size() > 3;) {
+    FitSide& side = sides[i];
+    const FitSide& next = sides[(i + 1) % sides.size()];
+    const Vector2d& end = points[next.to % points.size()];
+    if (DistanceToSegment(next.start, side.start, end) < tolerance &&
+        (next.start - side.start).dot(end - next.start) > 0.0) {
+      side = Fit(fitter, points, side.from, side.to + (next.to - next.from));
+      sides.erase(sides.begin() + static_cast<std::ptrdiff_t>((i + 1) % sides.size()));
+      if (i == sides.size()) --i;
+    } else {
+      ++i;
+    }
+  }
+}
 
 /// Takes out the short sides across corners that a median filter or coarse pixels rounded off: those whose
 /// neighbours meet, when extended, within `reach` of them.
@@ -231,11 +257,10 @@ FittedRing FitRing(const Ring& boundary, double step, double tolerance) {
   for (std::size_t i = 0; i < breaks.size(); ++i) {
     const std::size_t from = breaks[i];
     const std::size_t to = i + 1 < breaks.size() ? breaks[i + 1] : breaks[0] + n;
-    const std::size_t trim = static_cast<std::size_t>(kTrimRatio * static_cast<double>(to - from));
-    const std::size_t base = from >= n ? n : 0;
-    sides.push_back({fitter.Fit(from - base + trim, to - base - trim), points[from % n]});
+    sides.push_back(Fit(fitter, points, from, to));
     unfitted.push_back(step * points[from % n]);
   }
+  JoinStraightSides(sides, fitter, points, 0.4 * tolerance / step);
   SharpenCorners(sides, 2.0 * tolerance / step);
   FittedRing fitted;
   double squares = 0.0;

@@ -107,6 +107,35 @@ TEST(MergeFootprints, LetsAWholeViewWinOverACutOne) {
   EXPECT_FALSE(map[0].is_cut);
 }
 
+/// Two buildings of one colour, of which one hides the foot of the other in the overview.
+TEST(MergeFootprints, TakesABlobOfTwoBuildingsApart) {
+  const Block near{Turned(Box(2.5, 1.5), 0.3, {2.0, 0.0}), 2.0};
+  const Block far{Turned(Box(1.5, 2.0), 0.3, {4.1, 0.5}), 1.2};
+  const auto blob = TraceBlocks(LookDown({0, 0, 10}), 1, {near, far});
+  ASSERT_THAT(blob, SizeIs(1));
+  auto map = MergeFootprints({}, blob);
+  map = MergeFootprints(map, TraceBlocks(LookDown({2.05, 0.1, 6}), 2, {near}));
+  map = MergeFootprints(map, TraceBlocks(LookDown({4.0, 0.4, 5}), 3, {far}));
+  ASSERT_THAT(map, SizeIs(2));
+  EXPECT_FALSE(map[0].is_cut);
+  EXPECT_FALSE(map[1].is_cut);
+  EXPECT_NEAR(map[0].height_m, near.height_m, 0.08);
+  EXPECT_NEAR(map[1].height_m, far.height_m, 0.08);
+  EXPECT_LT(RelativeDifference(near.ring_in_map_m, map[0].polygon_in_map_m.outer), 0.05);
+  EXPECT_LT(RelativeDifference(far.ring_in_map_m, map[1].polygon_in_map_m.outer), 0.05);
+}
+
+TEST(MergeFootprints, LearnsTheHeightFromAViewThatTheEdgeCuts) {
+  const Ring ring = Turned(Box(3, 2), 0.2);
+  const auto above = TraceBlocks(LookDown({0.1, 0, 7}), 1, {{ring, 2.0}});
+  const auto cut = TraceBlocks(LookDown({5.2, 0, 7}, 0.0), 2, {{ring, 2.0}});
+  ASSERT_THAT(cut, SizeIs(1));
+  ASSERT_TRUE(cut[0].is_cut);
+  const auto map = MergeFootprints(MergeFootprints({}, above), cut);
+  ASSERT_THAT(map, SizeIs(1));
+  EXPECT_NEAR(map[0].height_m, 2.0, 0.05);
+}
+
 TEST(MergeFootprints, GivesTheSameForTheSame) {
   const std::vector<Block> blocks = {{kBeside, 1.5}, {Turned(LShape(), 1.0, {-4, 0}), 2.0}};
   const auto once = MergeFootprints({}, TraceBlocks(LookDown({0, 0, 12}), 1, blocks));
