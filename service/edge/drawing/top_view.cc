@@ -22,6 +22,7 @@ const Stroke kClear{ink::kBlue, 4.0, false};
 const Stroke kRefused{ink::kVermilion, 4.0, true};
 const Stroke kTrack{ink::kOrange, 2.5, false};
 const Stroke kCamera{ink::kBlack, 1.5, false};
+const Stroke kWantedView{ink::kPurple, 2.0, true};
 const cv::Vec3b kFree(250, 246, 236);
 const cv::Vec3b kUnknown(205, 205, 205);
 const cv::Vec3b kOccupied(90, 90, 90);
@@ -42,6 +43,7 @@ class TopView {
     for (const ClearanceDecision& decision : ChooseShownDecisions(all_.decisions)) DrawCorridor(decision);
     DrawTrack();
     for (const Observation& seen : observations_) DrawCamera(seen.image);
+    for (const ClearanceDecision& decision : all_.decisions) DrawWanted(decision);
     DrawScaleBar();
     std::vector<std::string> lines;
     for (const ClearanceDecision& decision : all_.decisions) lines.push_back(Describe(decision));
@@ -57,6 +59,7 @@ class TopView {
         {kThrough, "opening, through"}, {kRecess, "opening, a recess"},
         {kClear, "corridor, CLEAR"},    {kRefused, "corridor, refused"},
         {kTrack, "flown track"},        {kCamera, "where a picture was taken"},
+        {kWantedView, "picture that would settle it"},
         {{ToScalar(kFree), 8.0, false}, "seen to be free"},
         {{ToScalar(kUnknown), 8.0, false}, "unknown"},
         {{ToScalar(kOccupied), 8.0, false}, "occupied"}};
@@ -77,7 +80,10 @@ class TopView {
       box.extend(Eigen::Vector2d(decision.corridor->entry_in_map_m.head<2>()));
       box.extend(Eigen::Vector2d(decision.corridor->exit_in_map_m.head<2>()));
     }
-    if (box.isEmpty()) box.extend(Eigen::Vector2d::Zero());
+    for (const ClearanceDecision& decision : all_.decisions) {
+      if (decision.wanted) box.extend(Eigen::Vector2d(decision.wanted->position_in_map_m.head<2>()));
+    }
+    if (box.isEmpty()) box.extend(Eigen::Vector2d(0.0, 0.0));
     const Eigen::Vector2d border = Eigen::Vector2d::Constant(kBorder_m + 0.05 * box.sizes().maxCoeff());
     return {box.min() - border, box.max() + border};
   }
@@ -171,6 +177,14 @@ class TopView {
     }
     canvas_.DrawDot(place, 4.0, ink::kBlack);
     canvas_.DrawLabel(place - Eigen::Vector2d(0.0, 8.0), std::to_string(image.capture_id), ink::kBlack, 0.8);
+  }
+
+  void DrawWanted(const ClearanceDecision& decision) {
+    if (!decision.wanted) return;
+    const Eigen::Vector2d place = ToPixel(decision.wanted->position_in_map_m.head<2>());
+    const Eigen::Vector2d ahead(std::cos(decision.wanted->yaw_rad), -std::sin(decision.wanted->yaw_rad));
+    canvas_.DrawArrow(place, place + 30.0 * canvas_.unit_px() * ahead, kWantedView);
+    canvas_.DrawDot(place, 4.0, kWantedView.color);
   }
 
   void DrawScaleBar() {

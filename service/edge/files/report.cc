@@ -1,5 +1,6 @@
 #include "service/edge/files/report.h"
 
+#include <algorithm>
 #include <numbers>
 #include <sstream>
 
@@ -61,9 +62,18 @@ std::string Badge(Verdict verdict) {
   return "<span class=\"verdict " + name + "\">" + name + "</span>";
 }
 
-bool IsListOfObjects(const Json& json) { return json.is_array() && !json.empty() && json.front().is_object(); }
+bool IsListOfObjects(const Json& json) {
+  return json.is_array() && !json.empty() &&
+         std::all_of(json.begin(), json.end(), [](const Json& entry) { return entry.is_object(); });
+}
 
-std::string ToCell(const Json& value) { return Escape(value.is_string() ? value.get<std::string>() : value.dump()); }
+/// Long lists belong to result.json, not onto a page.
+std::string ToCell(const Json& value) {
+  constexpr std::size_t kLongest = 160;
+  if (value.is_number_float()) return FormatNumber(value.get<double>(), 3);
+  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  return Escape(text.size() > kLongest ? text.substr(0, kLongest) + " ..." : text);
+}
 
 /// Any JSON object as a table of names and values; lists of objects become tables of their own below it.
 std::string JsonTables(const Json& json) {
@@ -75,7 +85,11 @@ std::string JsonTables(const Json& json) {
       continue;
     }
     Row header;
-    for (const auto& [key, ignored] : value.front().items()) header.push_back(key);
+    for (const Json& entry : value) {
+      for (const auto& [key, ignored] : entry.items()) {
+        if (std::find(header.begin(), header.end(), key) == header.end()) header.push_back(key);
+      }
+    }
     std::vector<Row> list;
     for (const Json& entry : value) {
       Row row;

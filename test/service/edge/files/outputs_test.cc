@@ -214,12 +214,13 @@ TEST_F(OutputsTest, WriteOutputsWritesAllFilesAndLeavesNoPartsBehind) {
 TEST_F(OutputsTest, ReportShowsReasonsAsTextOnly) {
   all_.decisions[0].reason = "<script>alert(1)</script>";
   FlightRecord flight;
-  flight.mission = {{"outcome", "flown"}, {"steps", {{{"step", "take off"}, {"seconds", 4.5}}}}};
+  flight.mission = {{"outcome", "flown"}, {"steps", {{{"step", "take off"}}, {{"step", "look"}, {"seconds", 4.5}}}}};
   ASSERT_TRUE(WriteReport(folder_, all_, observations_, flight, "reference.png").ok());
   const std::string html = Read(folder_ / "report.html");
   EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));
   EXPECT_THAT(html, testing::Not(HasSubstr("<script>")));
   EXPECT_THAT(html, HasSubstr("take off"));
+  EXPECT_THAT(html, HasSubstr("4.500"));
   EXPECT_THAT(html, HasSubstr("overlay/wall.jpg"));
 }
 
