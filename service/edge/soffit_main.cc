@@ -10,6 +10,9 @@ int main(int argc, char** argv) try {
   soffit::AddAnalyzeCommand(app);
   soffit::AddRecognizeCommand(app);
   soffit::AddReportCommand(app);
+  soffit::AddMissionCommand(app);
+  soffit::AddQueryCommand(app);
+  soffit::AddDoctorCommand(app);
   app.require_subcommand(1);
   try {
     app.parse(argc, argv);

@@ -146,6 +146,7 @@ class Conductor {
   void On(const Findings& findings) {
     if (!m_.is_waiting_for_findings) return;
     m_.is_waiting_for_findings = false;
+    if (!findings.failure.empty()) return GoHome(MissionOutcome::kFailed, findings.failure);
     m_.findings = findings;
     m_.findings_utc_ns = now_;
     for (const std::string& problem : findings.problems) Note(problem);

@@ -99,12 +99,13 @@ struct MissionOrder {
 /// What a mission has to know of the scene. Made from the Understanding of all pictures that had arrived.
 struct Findings {
   std::uint64_t scene_revision = 0;
-  std::vector<Footprint> map;  ///< The vector map, with the adjusted footprints of the models.
+  std::vector<Footprint> map;  ///< The vector map as adjusted to the models; obstacles too, without an id.
   std::vector<std::uint32_t>
       wanted;  ///< Ids of the recognized building or group; empty: none, or not one only.
   bool is_ambiguous = false;
   std::vector<ClearanceDecision> decisions;
   std::vector<std::string> problems;
+  std::string failure;  ///< Not empty: nothing could be made of the pictures, the rest means nothing.
 };
 
 /// What happened. A default `Tick` only lets time pass.

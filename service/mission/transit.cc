@@ -13,7 +13,7 @@ double TransitAltitude(const std::vector<Footprint>& map, const VehicleEnvelope&
   bool is_known = !map.empty();
   for (const Footprint& object : map) {
     is_known = is_known && object.height_m > 0.0;
-    highest_m = std::max(highest_m, object.height_m);
+    highest_m = std::max(highest_m, object.height_m + 3.0 * object.height_std_m);
   }
   const double over_m = highest_m + vehicle.NeededHeight_m() / 2.0 + clearance_m;
   return is_known ? over_m : std::max(over_m, unknown_m);

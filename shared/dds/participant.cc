@@ -25,6 +25,20 @@ void KeepLibraryOffStandardOutput() {
 
 }  // namespace
 
+DdsOptions DefaultRadioOptions() {
+  DdsOptions options;
+  options.domain_id = 41;
+  options.udp_only = true;
+  options.flow_bytes_per_ms = 2800;
+  return options;
+}
+
+DdsOptions DefaultLocalOptions() {
+  DdsOptions options;
+  options.domain_id = 42;
+  return options;
+}
+
 Result<Participant> Participant::Join(const std::string& name, const DdsOptions& options,
                                       ProblemHandler on_problem) {
   if (const std::string problem = FindOptionProblem(options); !problem.empty())

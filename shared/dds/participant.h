@@ -32,6 +32,11 @@ struct DdsOptions {
   }
 };
 
+/// What agents and the service start from for the link between them, and the service and its clients for
+/// theirs.
+DdsOptions DefaultRadioOptions();
+DdsOptions DefaultLocalOptions();
+
 namespace dds_internal {
 class Bus;
 }

@@ -52,7 +52,7 @@ struct AgentConfig {
   double pose_wait_s = 0.5;
   double send_timeout_s = 20.0;
   std::string log_level = "info";
-  DdsOptions radio;
+  DdsOptions radio = DefaultRadioOptions();
   AutopilotOptions autopilot;
   AgentOptions agent;
   GuardOptions guard;
