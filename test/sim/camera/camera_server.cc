@@ -17,7 +17,9 @@ namespace soffit::sim {
 namespace {
 
 std::int64_t Now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
 }
 
 void Answer(httplib::Response& response, int status, const std::string& text) {
@@ -28,9 +30,15 @@ void Answer(httplib::Response& response, int status, const std::string& text) {
 }  // namespace
 
 struct CameraServer::Server {
-  Server(const World& the_world, const Renderer& the_renderer, CameraPath the_path, const CameraServerOptions& options)
-      : camera(the_world.camera), renderer(the_renderer), path(std::move(the_path)), seed(options.seed),
-        broken_ratio(options.broken_ratio), late_ratio(options.late_ratio), late_s(options.late_s) {}
+  Server(const World& the_world, const Renderer& the_renderer, CameraPath the_path,
+         const CameraServerOptions& options)
+      : camera(the_world.camera),
+        renderer(the_renderer),
+        path(std::move(the_path)),
+        seed(options.seed),
+        broken_ratio(options.broken_ratio),
+        late_ratio(options.late_ratio),
+        late_s(options.late_s) {}
 
   /// The poses during an exposure that ends now.
   std::optional<Exposure> Expose(Mount mount, std::int64_t end_ns, std::uint64_t number) const {
@@ -55,14 +63,18 @@ struct CameraServer::Server {
       const std::lock_guard one_at_a_time(rendering);
       picture = renderer.Render(*exposure);
     }
-    auto jpeg = EncodeJpeg(picture, camera.jpeg_quality, end_ns - static_cast<std::int64_t>(0.5e9 * camera.exposure_s));
+    auto jpeg = EncodeJpeg(picture, camera.jpeg_quality,
+                           end_ns - static_cast<std::int64_t>(0.5e9 * camera.exposure_s));
     if (ToUnit(Mix(exposure->seed + 1)) < broken_ratio) jpeg.resize(jpeg.size() * 2 / 5);
-    if (ToUnit(Mix(exposure->seed + 2)) < late_ratio) std::this_thread::sleep_for(std::chrono::duration<double>(late_s));
+    if (ToUnit(Mix(exposure->seed + 2)) < late_ratio)
+      std::this_thread::sleep_for(std::chrono::duration<double>(late_s));
     response.set_content(reinterpret_cast<const char*>(jpeg.data()), jpeg.size(), "image/jpeg");
   }
 
   void Route(const char* address, Mount mount) {
-    http.Get(address, [this, mount](const httplib::Request&, httplib::Response& response) { TakePicture(mount, response); });
+    http.Get(address, [this, mount](const httplib::Request&, httplib::Response& response) {
+      TakePicture(mount, response);
+    });
   }
 
   const CameraModel camera;
@@ -79,7 +91,8 @@ struct CameraServer::Server {
   std::jthread listener;
 };
 
-CameraServer::CameraServer(const World& world, const Renderer& renderer, CameraPath path, const CameraServerOptions& options)
+CameraServer::CameraServer(const World& world, const Renderer& renderer, CameraPath path,
+                           const CameraServerOptions& options)
     : server_(std::make_unique<Server>(world, renderer, std::move(path), options)) {
   constexpr char kHost[] = "127.0.0.1";
   httplib::Server& http = server_->http;
@@ -95,16 +108,17 @@ CameraServer::CameraServer(const World& world, const Renderer& renderer, CameraP
     const nlohmann::json health = {{"status", "ok"}, {"pictures", server->pictures.load()}};
     response.set_content(health.dump() + "\n", "application/json");
   });
-  http.set_exception_handler([](const httplib::Request&, httplib::Response& response, std::exception_ptr error) {
-    try {
-      std::rethrow_exception(error);
-    } catch (const std::exception& problem) {
-      Answer(response, 500, problem.what());
-    }
-  });
+  http.set_exception_handler(
+      [](const httplib::Request&, httplib::Response& response, std::exception_ptr error) {
+        try {
+          std::rethrow_exception(error);
+        } catch (const std::exception& problem) {
+          Answer(response, 500, problem.what());
+        }
+      });
   server_->port = options.port != 0 && http.bind_to_port(kHost, options.port) ? options.port
-                  : options.port == 0                                        ? http.bind_to_any_port(kHost)
-                                                                             : -1;
+                  : options.port == 0                                         ? http.bind_to_any_port(kHost)
+                                                                              : -1;
   if (server_->port <= 0) {
     throw std::runtime_error("camera server: port " + std::to_string(options.port) + " of " + kHost +
                              " cannot be had; another program may use it (0 takes any free one)");

@@ -30,10 +30,12 @@ Trouble DrawTrouble(Dice& dice) {
 
 Finish DrawFinish(Dice& dice) {
   const Eigen::Vector3d colors[] = {{0.72, 0.07, 0.06}, {0.09, 0.17, 0.62}, {0.88, 0.70, 0.08}};
-  constexpr Pattern kPatterns[] = {Pattern::kPlain, Pattern::kMottled, Pattern::kMottled, Pattern::kPanels, Pattern::kBricks};
+  constexpr Pattern kPatterns[] = {Pattern::kPlain, Pattern::kMottled, Pattern::kMottled, Pattern::kPanels,
+                                   Pattern::kBricks};
   Finish finish;
   finish.color_srgb = colors[dice.Pick(3)] * dice.Between(0.82, 1.1);
-  for (int i = 0; i < 3; ++i) finish.color_srgb[i] = std::clamp(finish.color_srgb[i] + dice.Between(-0.02, 0.02), 0.0, 1.0);
+  for (int i = 0; i < 3; ++i)
+    finish.color_srgb[i] = std::clamp(finish.color_srgb[i] + dice.Between(-0.02, 0.02), 0.0, 1.0);
   finish.pattern = kPatterns[dice.Pick(5)];
   finish.grain_m = dice.Between(0.25, 0.8);
   finish.contrast = dice.Between(0.04, 0.16);
@@ -54,7 +56,9 @@ Finish DrawGround(Dice& dice) {
 
 PoseNoise DrawPoseNoise(Dice& dice) {
   const double kind = dice.Unit();
-  const double position_m = kind < 0.5 ? dice.Between(0.0, 0.01) : kind < 0.85 ? dice.Between(0.01, 0.03) : dice.Between(0.03, 0.06);
+  const double position_m = kind < 0.5    ? dice.Between(0.0, 0.01)
+                            : kind < 0.85 ? dice.Between(0.01, 0.03)
+                                          : dice.Between(0.03, 0.06);
   return {position_m, dice.Between(2.0, 8.0) * position_m * std::numbers::pi / 180.0};
 }
 
@@ -64,7 +68,7 @@ struct Wanted {
   std::vector<Structure> obstacles;  ///< In the building's frame.
   Vector2d size_m;
   double height_m = 0.0;
-  bool is_box = true;                ///< Its outline is a rectangle.
+  bool is_box = true;  ///< Its outline is a rectangle.
 };
 
 Opening DrawOpening(Trouble trouble, double spare_m, Dice& dice) {
@@ -86,16 +90,19 @@ Structure DrawObstacle(Trouble trouble, const Opening& opening, double depth_m, 
   const double side = dice.Chance(0.5) ? 1.0 : -1.0;
   if (trouble == Trouble::kPole) {
     const double thick_m = dice.Between(0.08, 0.16);
-    obstacle.parts = {BoxPart({middle_m + dice.Between(-0.15, 0.15), side * dice.Between(0.0, depth_m / 2 + 0.4)},
-                              {thick_m, thick_m}, 0.0, opening.high_m + dice.Between(0.2, 0.6))};
+    obstacle.parts = {
+        BoxPart({middle_m + dice.Between(-0.15, 0.15), side * dice.Between(0.0, depth_m / 2 + 0.4)},
+                {thick_m, thick_m}, 0.0, opening.high_m + dice.Between(0.2, 0.6))};
   } else if (trouble == Trouble::kBeam) {
     const double middle_z_m = opening.high_m * dice.Between(0.45, 0.6);
-    obstacle.parts = {BoxPart({middle_m, side * dice.Between(0.0, depth_m / 2 - 0.1)}, {width_m - 0.002, dice.Between(0.06, 0.15)},
+    obstacle.parts = {BoxPart({middle_m, side * dice.Between(0.0, depth_m / 2 - 0.1)},
+                              {width_m - 0.002, dice.Between(0.06, 0.15)},
                               middle_z_m - dice.Between(0.04, 0.08), middle_z_m + dice.Between(0.04, 0.08))};
   } else {
     const double long_m = dice.Between(0.5, 0.9);
     obstacle.parts = {BoxPart({middle_m, side * (depth_m / 2 + long_m / 2 + dice.Between(0.1, 0.4))},
-                              {dice.Between(0.6, width_m), long_m}, 0.0, opening.high_m * dice.Between(0.6, 0.95))};
+                              {dice.Between(0.6, width_m), long_m}, 0.0,
+                              opening.high_m * dice.Between(0.6, 0.95))};
   }
   return obstacle;
 }
@@ -139,7 +146,8 @@ Wanted DrawWanted(Trouble trouble, double spare_m, Dice& dice) {
     wanted.building.parts = BuildPainted(wanted.size_m, wanted.height_m, opening, dice);
   } else if (kind < 0.25) {
     const double foot_m = dice.Between(1.0, 1.3), stem_m = dice.Between(0.9, 1.2);
-    wanted.size_m = {stem_m + opening.right_m - opening.left_m + dice.Between(0.9, 1.2), foot_m + dice.Between(0.8, 1.3)};
+    wanted.size_m = {stem_m + opening.right_m - opening.left_m + dice.Between(0.9, 1.2),
+                     foot_m + dice.Between(0.8, 1.3)};
     Ring ell = EllRing(wanted.size_m.x(), wanted.size_m.y(), foot_m, stem_m);
     const double width_m = opening.right_m - opening.left_m;
     opening.left_m = ell[0].x() + stem_m + 0.05;
@@ -149,7 +157,8 @@ Wanted DrawWanted(Trouble trouble, double spare_m, Dice& dice) {
   } else if (kind < 0.40 && trouble == Trouble::kNone) {
     wanted.size_m = {dice.Between(2.5, 3.2), dice.Between(2.2, 2.5)};
     wanted.height_m = opening.high_m + dice.Between(0.2, 0.3);
-    wanted.building.parts = TableParts(wanted.size_m, dice.Between(0.22, 0.3), opening.high_m, wanted.height_m);
+    wanted.building.parts =
+        TableParts(wanted.size_m, dice.Between(0.22, 0.3), opening.high_m, wanted.height_m);
   } else {
     if (kind < 0.55 && trouble == Trouble::kNone) {
       opening.is_round = true;
@@ -160,13 +169,15 @@ Wanted DrawWanted(Trouble trouble, double spare_m, Dice& dice) {
       opening.high_m += sill_m;
     }
     wanted.height_m = std::max(opening.high_m + dice.Between(0.4, 0.7), 1.6);
-    wanted.building.parts = {WallPart(WallWithOpening(wanted.size_m.x(), wanted.height_m, opening), wanted.size_m.y())};
+    wanted.building.parts = {
+        WallPart(WallWithOpening(wanted.size_m.x(), wanted.height_m, opening), wanted.size_m.y())};
   }
   if (trouble == Trouble::kPole || trouble == Trouble::kBeam || trouble == Trouble::kCrate) {
     wanted.obstacles = {DrawObstacle(trouble, opening, wanted.is_box ? wanted.size_m.y() : 1.2, dice)};
     if (!wanted.is_box) {
       for (Part& part : wanted.obstacles[0].parts) {  // The passage is in the foot of the L.
-        for (Vector2d& corner : std::get<Prism>(part.shape).section.outer) corner.y() += 0.6 - wanted.size_m.y() / 2;
+        for (Vector2d& corner : std::get<Prism>(part.shape).section.outer)
+          corner.y() += 0.6 - wanted.size_m.y() / 2;
       }
     }
   }
@@ -205,7 +216,8 @@ bool Place(Structure& structure, const Vector2d& size_m, double height_m, Dice& 
   return false;
 }
 
-/// Free of home, of other spots, of the wanted building and of the ways from which it is looked at and flown through.
+/// Free of home, of other spots, of the wanted building and of the ways from which it is looked at and flown
+/// through.
 bool IsFree(const Spot& spot, const std::vector<Spot>& taken, const Wanted& wanted) {
   constexpr double kAroundHome_m = 1.5, kBeside_m = 1.2, kBefore_m = 5.0, kGap_m = 0.8;
   if (spot.center_m.norm() < spot.radius_m + kAroundHome_m) return false;
@@ -216,7 +228,8 @@ bool IsFree(const Spot& spot, const std::vector<Spot>& taken, const Wanted& want
   });
 }
 
-std::optional<Vector2d> FindSpot(double radius_m, double reach_m, std::vector<Spot>& taken, const Wanted& wanted, Dice& dice) {
+std::optional<Vector2d> FindSpot(double radius_m, double reach_m, std::vector<Spot>& taken,
+                                 const Wanted& wanted, Dice& dice) {
   for (int i = 0; i < 200; ++i) {
     const Spot spot{{dice.Between(-reach_m, reach_m), dice.Between(-reach_m, reach_m)}, radius_m};
     if (!IsFree(spot, taken, wanted)) continue;
@@ -233,7 +246,8 @@ Ring DrawOutline(int kind, double avoid, Dice& dice) {
     case 0:
       return TeeRing(size_m, size_m * dice.Between(0.8, 1.0), size_m * dice.Between(0.3, 0.36));
     case 1:
-      return EllRing(size_m, size_m * dice.Between(0.9, 1.1), size_m * dice.Between(0.32, 0.38), size_m * dice.Between(0.4, 0.46));
+      return EllRing(size_m, size_m * dice.Between(0.9, 1.1), size_m * dice.Between(0.32, 0.38),
+                     size_m * dice.Between(0.4, 0.46));
     default: {
       const double proportion = avoid > 1.6 ? avoid / dice.Between(1.4, 1.8) : avoid * dice.Between(1.5, 1.9);
       return BoxRing({size_m, size_m / proportion});
@@ -264,7 +278,8 @@ void AddDistractors(World& world, const Wanted& wanted, Dice& dice) {
   }
   for (int i = dice.Pick(4); i > 0; --i) {
     const double radius_m = dice.Between(0.25, 0.5);
-    if (const auto center = FindSpot(radius_m, 8.0, taken, wanted, dice)) world.bushes.push_back({*center, radius_m});
+    if (const auto center = FindSpot(radius_m, 8.0, taken, wanted, dice))
+      world.bushes.push_back({*center, radius_m});
   }
 }
 
@@ -272,7 +287,8 @@ void AddHorizon(World& world, Dice& dice) {
   constexpr int kThings = 9;
   const double trees = dice.Unit();
   for (int i = 0; i < kThings; ++i) {
-    const double angle = 2.0 * std::numbers::pi * (i + dice.Unit()) / kThings, away_m = dice.Between(26.0, 50.0);
+    const double angle = 2.0 * std::numbers::pi * (i + dice.Unit()) / kThings,
+                 away_m = dice.Between(26.0, 50.0);
     const Vector2d at = away_m * Vector2d(std::cos(angle), std::sin(angle));
     if (dice.Chance(trees)) {
       world.bushes.push_back({at, dice.Between(1.2, 2.8)});
@@ -284,13 +300,15 @@ void AddHorizon(World& world, Dice& dice) {
     box.yaw_rad = dice.Between(-1.0, 1.0);
     const double grey = dice.Between(0.3, 0.65);
     box.finish = {{grey, 0.98 * grey, 0.94 * grey}, Pattern::kMottled, 1.5, 0.1};
-    box.parts = {BoxPart(Vector2d::Zero(), {dice.Between(4, 11), dice.Between(4, 10)}, 0.0, dice.Between(2.5, 6.5))};
+    box.parts = {
+        BoxPart(Vector2d::Zero(), {dice.Between(4, 11), dice.Between(4, 10)}, 0.0, dice.Between(2.5, 6.5))};
     world.scenery.push_back(box);
   }
 }
 
 void DrawWeather(World& world, Dice& dice) {
-  world.sun = {dice.Between(-std::numbers::pi, std::numbers::pi), dice.Between(0.45, 1.1), dice.Between(0.5, 1.1)};
+  world.sun = {dice.Between(-std::numbers::pi, std::numbers::pi), dice.Between(0.45, 1.1),
+               dice.Between(0.5, 1.1)};
   world.sky = {dice.Between(0.0, 0.8), dice.Between(300.0, 2000.0)};
   const double angle = dice.Between(0.0, 2.0 * std::numbers::pi), speed_mps = dice.Between(0.0, 3.5);
   world.wind = {speed_mps * Vector2d(std::cos(angle), std::sin(angle)), dice.Between(0.0, 0.9)};

@@ -6,11 +6,12 @@
 
 namespace soffit::sim {
 
-/// A random world, always the same for a seed: a wanted building with a passage that is clearly large enough, or clearly
-/// not, or with an obstacle in it, or through which nothing leads, or which is absent; among others that look alike
-/// (mirrored, of other proportions); alone or as a group; with any colours, ground, light, wind and pose noise. What is
-/// wanted lies in a picture from 9 m above home. Whether it is passable is for FindTruth to say; worlds in which the best
-/// way is within 8 cm of the limit (more when the pose is noisy) are drawn again. Takes about a second.
+/// A random world, always the same for a seed: a wanted building with a passage that is clearly large enough,
+/// or clearly not, or with an obstacle in it, or through which nothing leads, or which is absent; among
+/// others that look alike (mirrored, of other proportions); alone or as a group; with any colours, ground,
+/// light, wind and pose noise. What is wanted lies in a picture from 9 m above home. Whether it is passable
+/// is for FindTruth to say; worlds in which the best way is within 8 cm of the limit (more when the pose is
+/// noisy) are drawn again. Takes about a second.
 World DrawWorld(std::uint64_t seed);
 
 }  // namespace soffit::sim

@@ -15,7 +15,8 @@ Ring BoxRing(const Vector2d& size_m) {
 
 Ring TeeRing(double width_m, double height_m, double thickness_m) {
   const double w = width_m / 2, h = height_m / 2, t = thickness_m / 2;
-  return {{-w, -h}, {w, -h}, {w, -h + 2 * t}, {t, -h + 2 * t}, {t, h}, {-t, h}, {-t, -h + 2 * t}, {-w, -h + 2 * t}};
+  return {{-w, -h}, {w, -h}, {w, -h + 2 * t},  {t, -h + 2 * t},
+          {t, h},   {-t, h}, {-t, -h + 2 * t}, {-w, -h + 2 * t}};
 }
 
 Ring EllRing(double length_m, double height_m, double foot_m, double stem_m) {
@@ -25,7 +26,8 @@ Ring EllRing(double length_m, double height_m, double foot_m, double stem_m) {
 
 Ring MirroredRing(const Ring& ring) {
   Ring mirrored;
-  for (auto corner = ring.rbegin(); corner != ring.rend(); ++corner) mirrored.emplace_back(-corner->x(), corner->y());
+  for (auto corner = ring.rbegin(); corner != ring.rend(); ++corner)
+    mirrored.emplace_back(-corner->x(), corner->y());
   return mirrored;
 }
 
@@ -57,10 +59,12 @@ Polygon WallWithOpening(double length_m, double height_m, const Opening& opening
   const double half = length_m / 2;
   Ring edge = {{opening.left_m, opening.low_m}};  // From the lower left over the top to the lower right.
   if (opening.is_round) {
-    const double radius_m = (opening.right_m - opening.left_m) / 2, middle_m = (opening.right_m + opening.left_m) / 2;
+    const double radius_m = (opening.right_m - opening.left_m) / 2,
+                 middle_m = (opening.right_m + opening.left_m) / 2;
     for (int i = 0; i <= kArcSteps; ++i) {
       const double angle = std::numbers::pi * (1.0 - static_cast<double>(i) / kArcSteps);
-      edge.emplace_back(middle_m + radius_m * std::cos(angle), opening.high_m - radius_m + radius_m * std::sin(angle));
+      edge.emplace_back(middle_m + radius_m * std::cos(angle),
+                        opening.high_m - radius_m + radius_m * std::sin(angle));
     }
   } else {
     edge.emplace_back(opening.left_m, opening.high_m);
@@ -89,11 +93,18 @@ std::vector<Part> TableParts(const Vector2d& size_m, double leg_m, double free_m
   return parts;
 }
 
-std::vector<Part> EllWithPassage(const Ring& ell, double foot_m, double stem_m, const Opening& opening, double height_m) {
+std::vector<Part> EllWithPassage(const Ring& ell, double foot_m, double stem_m, const Opening& opening,
+                                 double height_m) {
   const Vector2d low = ell[0], high(ell[1].x(), ell[4].y());
   const double inner_y = low.y() + foot_m, inner_x = low.x() + stem_m;
-  const Ring left = {low, {opening.left_m, low.y()}, {opening.left_m, inner_y}, {inner_x, inner_y}, {inner_x, high.y()}, {low.x(), high.y()}};
-  const Ring right = {{opening.right_m, low.y()}, {high.x(), low.y()}, {high.x(), inner_y}, {opening.right_m, inner_y}};
+  const Ring left = {low,
+                     {opening.left_m, low.y()},
+                     {opening.left_m, inner_y},
+                     {inner_x, inner_y},
+                     {inner_x, high.y()},
+                     {low.x(), high.y()}};
+  const Ring right = {
+      {opening.right_m, low.y()}, {high.x(), low.y()}, {high.x(), inner_y}, {opening.right_m, inner_y}};
   return {UprightPart(left, 0.0, opening.high_m), UprightPart(right, 0.0, opening.high_m),
           UprightPart(ell, opening.high_m, height_m)};
 }

@@ -48,7 +48,8 @@ class ToneCurve {
 
 }  // namespace
 
-cv::Mat3b Develop(const cv::Mat3f& light, const CameraModel& camera, double nominal_gain, std::uint64_t seed) {
+cv::Mat3b Develop(const cv::Mat3f& light, const CameraModel& camera, double nominal_gain,
+                  std::uint64_t seed) {
   static const ToneCurve kTone;
   cv::Mat3f picture = light;
   if (camera.blur_px > 0.0) cv::GaussianBlur(light, picture, {}, camera.blur_px);
@@ -58,7 +59,8 @@ cv::Mat3b Develop(const cv::Mat3f& light, const CameraModel& camera, double nomi
   if (camera.noise_levels > 0.0) random.fill(noise, cv::RNG::NORMAL, 0.0, camera.noise_levels);
 
   cv::Mat3b developed(picture.size());
-  const auto middle_x = static_cast<float>(camera.intrinsics.cx_px), middle_y = static_cast<float>(camera.intrinsics.cy_px);
+  const auto middle_x = static_cast<float>(camera.intrinsics.cx_px),
+             middle_y = static_cast<float>(camera.intrinsics.cy_px);
   const float corner2 = middle_x * middle_x + middle_y * middle_y;
   for (int row = 0; row < picture.rows; ++row) {
     for (int column = 0; column < picture.cols; ++column) {

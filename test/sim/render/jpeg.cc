@@ -52,9 +52,11 @@ std::vector<std::uint8_t> MakeExif(std::int64_t utc_ns) {
 
 }  // namespace
 
-std::vector<std::uint8_t> EncodeJpeg(const cv::Mat3b& picture, int quality, std::int64_t mid_exposure_utc_ns) {
+std::vector<std::uint8_t> EncodeJpeg(const cv::Mat3b& picture, int quality,
+                                     std::int64_t mid_exposure_utc_ns) {
   std::vector<std::uint8_t> jpeg;
-  if (!cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, quality})) throw std::runtime_error("JPEG encoder failed");
+  if (!cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, quality}))
+    throw std::runtime_error("JPEG encoder failed");
   const std::vector<std::uint8_t> exif = MakeExif(mid_exposure_utc_ns);
   const std::size_t length = exif.size() + 2;
   std::vector<std::uint8_t> with_exif(jpeg.size() + exif.size() + 4);

@@ -14,7 +14,8 @@ Eigen::Vector2d Distort(const std::array<double, 5>& d, const Eigen::Vector2d& p
 }
 
 /// Fixed-point iteration from `start`: for lenses whose distortion grows slower than the radius.
-Eigen::Vector2d Undistort(const std::array<double, 5>& d, const Eigen::Vector2d& distorted, const Eigen::Vector2d& start) {
+Eigen::Vector2d Undistort(const std::array<double, 5>& d, const Eigen::Vector2d& distorted,
+                          const Eigen::Vector2d& start) {
   constexpr int kMaxSteps = 50;
   Eigen::Vector2d p = start;
   for (int i = 0; i < kMaxSteps; ++i) {
@@ -27,7 +28,8 @@ Eigen::Vector2d Undistort(const std::array<double, 5>& d, const Eigen::Vector2d&
 
 }  // namespace
 
-Lens::Lens(const Intrinsics& intrinsics) : columns_(intrinsics.width_px + 2), rows_(intrinsics.height_px + 2) {
+Lens::Lens(const Intrinsics& intrinsics)
+    : columns_(intrinsics.width_px + 2), rows_(intrinsics.height_px + 2) {
   table_.reserve(static_cast<std::size_t>(columns_) * rows_);
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {

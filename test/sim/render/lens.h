@@ -12,8 +12,8 @@ class Lens {
  public:
   explicit Lens(const Intrinsics& intrinsics);
 
-  /// The ray (x, y, 1) in the camera's frame through a place in the picture; pixel centres are at integers, the place
-  /// may lie up to one pixel outside.
+  /// The ray (x, y, 1) in the camera's frame through a place in the picture; pixel centres are at integers,
+  /// the place may lie up to one pixel outside.
   Eigen::Vector2f LookAt(float u_px, float v_px) const;
 
  private:

@@ -10,8 +10,8 @@
 namespace soffit::sim {
 namespace {
 
-constexpr int kStrata = 8;            // Rays per point: its square.
-constexpr float kCell_m = 0.25F;      // Of the lattice; larger on large triangles.
+constexpr int kStrata = 8;        // Rays per point: its square.
+constexpr float kCell_m = 0.25F;  // Of the lattice; larger on large triangles.
 constexpr int kMaxSteps = 24;
 constexpr int kMaxGroundCells = 120;  // Along a side.
 constexpr float kLift_m = 2e-3F;
@@ -21,11 +21,15 @@ int IndexInLattice(int steps, int i, int j) { return j * (steps + 1) - j * (j - 
 
 /// Directions about `normal`, as dense as the cosine to it, one in each of 8 x 8 strata.
 Eigen::Vector3f SampleDirection(const Eigen::Vector3f& normal, int stratum, std::uint64_t seed) {
-  const double first = (stratum % kStrata + ToUnit(Mix(seed + 2 * static_cast<std::uint64_t>(stratum)))) / kStrata;
-  const double second = (static_cast<double>(stratum / kStrata) + ToUnit(Mix(seed + 2 * static_cast<std::uint64_t>(stratum) + 1))) / kStrata;
+  const double first =
+      (stratum % kStrata + ToUnit(Mix(seed + 2 * static_cast<std::uint64_t>(stratum)))) / kStrata;
+  const double second = (static_cast<double>(stratum / kStrata) +
+                         ToUnit(Mix(seed + 2 * static_cast<std::uint64_t>(stratum) + 1))) /
+                        kStrata;
   const auto radius = static_cast<float>(std::sqrt(first));
   const auto angle = static_cast<float>(2.0 * std::numbers::pi * second);
-  const Eigen::Vector3f across = std::abs(normal.z()) < 0.9F ? Eigen::Vector3f::UnitZ() : Eigen::Vector3f::UnitX();
+  const Eigen::Vector3f across =
+      std::abs(normal.z()) < 0.9F ? Eigen::Vector3f::UnitZ() : Eigen::Vector3f::UnitX();
   const Eigen::Vector3f s = normal.cross(across).normalized(), t = normal.cross(s);
   const auto height = static_cast<float>(std::sqrt(1.0 - first));
   return (radius * std::cos(angle) * s + radius * std::sin(angle) * t + height * normal).normalized();
@@ -37,7 +41,8 @@ class Gatherer {
       : paints_(paints), ground_(ground), tracer_(tracer), sky_(sky) {}
 
   /// The mean radiance over the half sphere, weighted by the cosine; none when the point is inside of a body.
-  std::optional<Light> Gather(const Eigen::Vector3f& point_m, const Eigen::Vector3f& normal, std::uint64_t seed) const {
+  std::optional<Light> Gather(const Eigen::Vector3f& point_m, const Eigen::Vector3f& normal,
+                              std::uint64_t seed) const {
     constexpr int kRays = kStrata * kStrata;
     Light sum = Light::Zero();
     int inside = 0;
@@ -71,7 +76,8 @@ class Gatherer {
       const float cosine = hit.normal.dot(sky_.toward_sun());
       if (cosine <= 0.0F) continue;
       in_sun[to_sun.count] = cosine * color.cwiseProduct(sky_.sunlight());
-      to_sun.origin_m[to_sun.count] = rays.origin_m[i] + hit.distance_m * rays.direction[i] + kLift_m * hit.normal;
+      to_sun.origin_m[to_sun.count] =
+          rays.origin_m[i] + hit.distance_m * rays.direction[i] + kLift_m * hit.normal;
       to_sun.direction[to_sun.count++] = sky_.toward_sun();
     }
     const auto blocked = tracer_.IsBlocked(to_sun);
@@ -88,8 +94,8 @@ class Gatherer {
 };
 
 /// The lattice of one triangle. Points inside of another body get the mean of the others.
-std::vector<Light> BakeTriangle(const std::array<Eigen::Vector3f, 3>& corners, int steps, const Gatherer& gatherer,
-                                std::uint64_t seed) {
+std::vector<Light> BakeTriangle(const std::array<Eigen::Vector3f, 3>& corners, int steps,
+                                const Gatherer& gatherer, std::uint64_t seed) {
   const auto& [a, b, c] = corners;
   const Eigen::Vector3f normal = (b - a).cross(c - a).normalized(), center = (a + b + c) / 3.0F;
   std::vector<std::optional<Light>> gathered;
@@ -100,7 +106,8 @@ std::vector<Light> BakeTriangle(const std::array<Eigen::Vector3f, 3>& corners, i
       const Eigen::Vector3f exact = a + static_cast<float>(i) / static_cast<float>(steps) * (b - a) +
                                     static_cast<float>(j) / static_cast<float>(steps) * (c - a);
       const Eigen::Vector3f inwards = center - exact;
-      const Eigen::Vector3f point = exact + 0.01F / std::max(inwards.norm(), 0.01F) * inwards + kLift_m * normal;
+      const Eigen::Vector3f point =
+          exact + 0.01F / std::max(inwards.norm(), 0.01F) * inwards + kLift_m * normal;
       gathered.push_back(gatherer.Gather(point, normal, Mix(seed + gathered.size())));
       if (!gathered.back()) continue;
       sum += *gathered.back();
@@ -140,17 +147,20 @@ LightMap::LightMap(const std::vector<Body>& bodies, const std::vector<Paint>& pa
                    const Tracer& tracer, const SkyDome& sky)
     : skylight_(sky.skylight()) {
   const Gatherer gatherer(paints, ground, tracer, sky);
-  from_below_ = ground.color.cwiseProduct(sky.skylight() + std::max(0.0F, sky.toward_sun().z()) * sky.sunlight());
+  from_below_ =
+      ground.color.cwiseProduct(sky.skylight() + std::max(0.0F, sky.toward_sun().z()) * sky.sunlight());
   std::uint64_t seed = 1;
   for (const Body& body : bodies) {
     auto& lattices = lattices_.emplace_back(body.mesh_in_map.triangles.size());
     if (body.is_round) continue;
     for (std::size_t t = 0; t < lattices.size(); ++t) {
       std::array<Eigen::Vector3f, 3> corners;
-      for (int i = 0; i < 3; ++i) corners[i] = body.mesh_in_map.vertices_m[body.mesh_in_map.triangles[t][i]].cast<float>();
+      for (int i = 0; i < 3; ++i)
+        corners[i] = body.mesh_in_map.vertices_m[body.mesh_in_map.triangles[t][i]].cast<float>();
       const float longest_m = std::max({(corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm(),
                                         (corners[0] - corners[2]).norm()});
-      lattices[t] = {std::clamp(static_cast<int>(std::ceil(longest_m / kCell_m)), 1, kMaxSteps), values_.size()};
+      lattices[t] = {std::clamp(static_cast<int>(std::ceil(longest_m / kCell_m)), 1, kMaxSteps),
+                     values_.size()};
       const auto values = BakeTriangle(corners, lattices[t].steps, gatherer, Mix(seed++));
       values_.insert(values_.end(), values.begin(), values.end());
     }
@@ -164,7 +174,8 @@ LightMap::LightMap(const std::vector<Body>& bodies, const std::vector<Paint>& pa
   ground_rows_ = static_cast<int>(std::ceil(size.y() / ground_cell_m_)) + 1;
   for (int row = 0; row < ground_rows_; ++row) {
     for (int column = 0; column < ground_columns_; ++column) {
-      const Eigen::Vector2f at = ground_low_m_ + ground_cell_m_ * Eigen::Vector2f(static_cast<float>(column), static_cast<float>(row));
+      const Eigen::Vector2f at = ground_low_m_ + ground_cell_m_ * Eigen::Vector2f(static_cast<float>(column),
+                                                                                  static_cast<float>(row));
       ground_.push_back(gatherer.Gather({at.x(), at.y(), kLift_m}, Eigen::Vector3f::UnitZ(), Mix(seed++))
                             .value_or(Light(0.3F * skylight_)));
     }
@@ -193,7 +204,8 @@ Light LightMap::At(const RayHit& hit, const Eigen::Vector3f& point_m) const {
   const float a = std::clamp(hit.u, 0.0F, 1.0F) * steps, b = std::clamp(hit.v, 0.0F, 1.0F) * steps;
   const int i = std::min(static_cast<int>(a), lattice.steps - 1);
   const int j = std::clamp(static_cast<int>(b), 0, lattice.steps - 1 - i);
-  const float x = std::clamp(a - static_cast<float>(i), 0.0F, 1.0F), y = std::clamp(b - static_cast<float>(j), 0.0F, 1.0F);
+  const float x = std::clamp(a - static_cast<float>(i), 0.0F, 1.0F),
+              y = std::clamp(b - static_cast<float>(j), 0.0F, 1.0F);
   const auto value = [&](int di, int dj) -> const Light& {
     return values_[lattice.first + IndexInLattice(lattice.steps, i + di, j + dj)];
   };

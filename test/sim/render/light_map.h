@@ -9,21 +9,21 @@
 
 namespace soffit::sim {
 
-/// Light that does not come straight from the sun: of the sky, and of sunlit surfaces around (one bounce). Computed
-/// once on a lattice on every triangle and on the ground, then interpolated, so that undersides and passages are dark
-/// but not black, without noise.
+/// Light that does not come straight from the sun: of the sky, and of sunlit surfaces around (one bounce).
+/// Computed once on a lattice on every triangle and on the ground, then interpolated, so that undersides and
+/// passages are dark but not black, without noise.
 class LightMap {
  public:
-  LightMap(const std::vector<Body>& bodies, const std::vector<Paint>& paints, const Paint& ground, const Tracer& tracer,
-           const SkyDome& sky);
+  LightMap(const std::vector<Body>& bodies, const std::vector<Paint>& paints, const Paint& ground,
+           const Tracer& tracer, const SkyDome& sky);
 
   /// What a white surface gives back of that light, where the ray met it.
   Light At(const RayHit& hit, const Eigen::Vector3f& point_m) const;
 
  private:
   struct Lattice {
-    int steps = 0;            ///< Per side of the triangle; 0: none, a round body.
-    std::size_t first = 0;    ///< In `values_`.
+    int steps = 0;          ///< Per side of the triangle; 0: none, a round body.
+    std::size_t first = 0;  ///< In `values_`.
   };
 
   Light AtGround(const Eigen::Vector3f& point_m) const;

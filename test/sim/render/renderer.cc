@@ -19,10 +19,10 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kFewRays = 4;          // Of a pixel that shows one surface.
-constexpr int kManyRays = kPacket;   // Of a pixel that shows an edge, of a thing or of a shadow.
-constexpr float kSunRadius = 0.006F; // Of its disc, in radians; a little haze around it included.
-constexpr float kLift = 2e-4F;       // Off the surface, relative to the distance.
+constexpr int kFewRays = 4;           // Of a pixel that shows one surface.
+constexpr int kManyRays = kPacket;    // Of a pixel that shows an edge, of a thing or of a shadow.
+constexpr float kSunRadius = 0.006F;  // Of its disc, in radians; a little haze around it included.
+constexpr float kLift = 2e-4F;        // Off the surface, relative to the distance.
 
 struct Pixel {
   int column = 0;
@@ -51,16 +51,23 @@ struct Patch {
 bool IsSameThing(const Sample& a, const Sample& b, const std::vector<Body>& bodies) {
   if (a.hit.body != b.hit.body) return false;
   if (a.hit.body < 0 || bodies[a.hit.body].is_round) return true;
-  return a.hit.normal.dot(b.hit.normal) > 0.999F && std::abs((a.point_m - b.point_m).dot(a.hit.normal)) < 1e-3F * a.hit.distance_m;
+  return a.hit.normal.dot(b.hit.normal) > 0.999F &&
+         std::abs((a.point_m - b.point_m).dot(a.hit.normal)) < 1e-3F * a.hit.distance_m;
 }
 
 }  // namespace
 
 struct Renderer::Stage {
   Stage(const World& world, int thread_count)
-      : camera(world.camera), haze_m(static_cast<float>(world.sky.haze_m)), threads(std::max(1, thread_count)),
-        bodies(BuildBodies(world)), ground(Mix(world.ground, world.home_yaw_rad)), lens(world.camera.intrinsics),
-        sky(world.sky, world.sun), tracer(bodies), light_map(bodies, MixAll(bodies), ground, tracer, sky),
+      : camera(world.camera),
+        haze_m(static_cast<float>(world.sky.haze_m)),
+        threads(std::max(1, thread_count)),
+        bodies(BuildBodies(world)),
+        ground(Mix(world.ground, world.home_yaw_rad)),
+        lens(world.camera.intrinsics),
+        sky(world.sky, world.sun),
+        tracer(bodies),
+        light_map(bodies, MixAll(bodies), ground, tracer, sky),
         paints(MixAll(bodies)) {}
 
   static std::vector<Paint> MixAll(const std::vector<Body>& bodies) {
@@ -88,8 +95,10 @@ struct Renderer::Stage {
   std::vector<Paint> paints;
 };
 
-/// `rays_each` divides kPacket: rays of a packet belong to neighbouring pixels, at as many moments of the exposure.
-std::vector<Sample> Renderer::Stage::Look(const Exposure& exposure, const std::vector<Pixel>& pixels, int rays_each) const {
+/// `rays_each` divides kPacket: rays of a packet belong to neighbouring pixels, at as many moments of the
+/// exposure.
+std::vector<Sample> Renderer::Stage::Look(const Exposure& exposure, const std::vector<Pixel>& pixels,
+                                          int rays_each) const {
   std::vector<Sample> samples(pixels.size() * rays_each);
   for (std::size_t begin = 0; begin < samples.size(); begin += kPacket) {
     RayPacket rays;
@@ -102,13 +111,17 @@ std::vector<Sample> Renderer::Stage::Look(const Exposure& exposure, const std::v
       // Hammersley's points, k / n and the mirrored bits of k.
       const int bits = (k & 1) * 8 + (k & 2) * 2 + (k & 4) / 2 + (k & 8) / 8;
       const float down = (static_cast<float>(bits) + (rays_each == kPacket ? 0.5F : 2.0F)) / kPacket;
-      const float moment = (static_cast<float>((k * 7 + 3) % rays_each) + chance) / static_cast<float>(rays_each);
-      const auto& pose = exposure.path[std::min(exposure.path.size() - 1,
-                                                static_cast<std::size_t>(moment * static_cast<float>(exposure.path.size())))];
+      const float moment =
+          (static_cast<float>((k * 7 + 3) % rays_each) + chance) / static_cast<float>(rays_each);
+      const auto& pose =
+          exposure
+              .path[std::min(exposure.path.size() - 1,
+                             static_cast<std::size_t>(moment * static_cast<float>(exposure.path.size())))];
       const Eigen::Vector2f at = lens.LookAt(static_cast<float>(pixel.column) + across - 0.5F,
                                              static_cast<float>(pixel.row) + down - 0.5F);
       rays.origin_m[rays.count] = pose.translation_m.cast<float>();
-      rays.direction[rays.count] = (pose.rotation * Eigen::Vector3d(at.x(), at.y(), 1.0)).normalized().cast<float>();
+      rays.direction[rays.count] =
+          (pose.rotation * Eigen::Vector3d(at.x(), at.y(), 1.0)).normalized().cast<float>();
       ++rays.count;
     }
     const auto hits = tracer.Trace(rays);
@@ -152,7 +165,8 @@ Light Renderer::Stage::Shade(const Patch& patch) const {
   if (sample.hit.body == RayHit::kSky) return sky.LookInto(sample.direction);
   const Vector3f point_m = share * patch.point_sum, normal = patch.normal_sum.normalized();
   const float slant = std::max(0.08F, -normal.dot(sample.direction));
-  const float footprint_m = sample.hit.distance_m / static_cast<float>(camera.intrinsics.fx_px) / std::sqrt(slant);
+  const float footprint_m =
+      sample.hit.distance_m / static_cast<float>(camera.intrinsics.fx_px) / std::sqrt(slant);
   const Paint& paint = sample.hit.body == RayHit::kGround ? ground : paints[sample.hit.body];
   const Light albedo = PaintAt(paint, point_m, normal, footprint_m);
   const Light lit = albedo.cwiseProduct(share * patch.sunlit * sky.sunlight() + share * patch.other_light);
@@ -196,8 +210,10 @@ void Renderer::Stage::RenderRow(const Exposure& exposure, int row, cv::Mat3f& li
   const auto few = Look(exposure, pixels, kFewRays);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const Sample* samples = &few[i * kFewRays];
-    if (IsEven(samples, kFewRays)) put(pixels[i], Combine(samples, kFewRays));
-    else uneven.push_back(pixels[i]);
+    if (IsEven(samples, kFewRays))
+      put(pixels[i], Combine(samples, kFewRays));
+    else
+      uneven.push_back(pixels[i]);
   }
   const auto many = Look(exposure, uneven, kManyRays);
   for (std::size_t i = 0; i < uneven.size(); ++i) put(uneven[i], Combine(&many[i * kManyRays], kManyRays));
@@ -217,7 +233,8 @@ cv::Mat3b Renderer::Render(const Exposure& exposure) const {
   for (int i = 1; i < stage_->threads; ++i) helpers.emplace_back(work);
   work();
   helpers.clear();
-  const Light white = 0.85F * (stage_->sky.sunlight() * std::max(0.3F, stage_->sky.toward_sun().z()) + stage_->sky.skylight());
+  const Light white = 0.85F * (stage_->sky.sunlight() * std::max(0.3F, stage_->sky.toward_sun().z()) +
+                               stage_->sky.skylight());
   return Develop(light, stage_->camera, 0.9 / white.maxCoeff(), exposure.seed);
 }
 

@@ -11,13 +11,14 @@
 namespace soffit::sim {
 
 struct Exposure {
-  std::vector<Pose<Map, Camera>> path;  ///< Where the camera was, evenly over the exposure; one pose: it stood still.
-  std::uint64_t seed = 0;               ///< Of the noise.
+  std::vector<Pose<Map, Camera>>
+      path;                ///< Where the camera was, evenly over the exposure; one pose: it stood still.
+  std::uint64_t seed = 0;  ///< Of the noise.
 };
 
-/// Pictures of a world: Embree ray casting with lens distortion, sun with soft shadows, light of the sky and of one
-/// bounce (computed once, in the constructor), procedural textures, clouds, haze, exposure, blur, noise. Same world,
-/// exposure and seed: same picture, on any number of threads.
+/// Pictures of a world: Embree ray casting with lens distortion, sun with soft shadows, light of the sky and
+/// of one bounce (computed once, in the constructor), procedural textures, clouds, haze, exposure, blur,
+/// noise. Same world, exposure and seed: same picture, on any number of threads.
 class Renderer {
  public:
   explicit Renderer(const World& world, int threads = 2);
@@ -33,7 +34,8 @@ class Renderer {
   std::unique_ptr<Stage> stage_;
 };
 
-/// JPEG with the UTC time of mid exposure in its EXIF (DateTimeOriginal, SubSecTimeOriginal, OffsetTimeOriginal).
+/// JPEG with the UTC time of mid exposure in its EXIF (DateTimeOriginal, SubSecTimeOriginal,
+/// OffsetTimeOriginal).
 std::vector<std::uint8_t> EncodeJpeg(const cv::Mat3b& picture, int quality, std::int64_t mid_exposure_utc_ns);
 
 }  // namespace soffit::sim

@@ -12,7 +12,8 @@
 namespace soffit::sim {
 namespace {
 
-Structure Box(const std::string& id, const Eigen::Vector2d& center, const Eigen::Vector2d& size, double low_m, double high_m) {
+Structure Box(const std::string& id, const Eigen::Vector2d& center, const Eigen::Vector2d& size, double low_m,
+              double high_m) {
   const Eigen::Vector2d half = size / 2;
   Prism prism;
   prism.section.outer = {{-half.x(), -half.y()}, {half.x(), -half.y()}, half, {-half.x(), half.y()}};
@@ -64,7 +65,8 @@ TEST(Renderer, CastsTheShadowAwayFromTheSun) {
   world.buildings = {Box("box", {0, 0}, {1, 1}, 0.0, 1.0)};
   const cv::Mat3b picture = Renderer(world, 1).Render({{LookDown(0, 0, 8)}, 1});
   const auto at = [&](double x, double y) {
-    return static_cast<int>(picture(static_cast<int>(119.5 - 200 * y / 8), static_cast<int>(159.5 + 200 * x / 8))[1]);
+    return static_cast<int>(
+        picture(static_cast<int>(119.5 - 200 * y / 8), static_cast<int>(159.5 + 200 * x / 8))[1]);
   };
   EXPECT_LT(at(0.9, 0), 0.7 * at(-0.9, 0));  // The sun stands in the west.
   EXPECT_NEAR(at(0, 2.5), at(0, -2.5), 6);
@@ -109,7 +111,8 @@ TEST(Renderer, BlursWhatMovesDuringTheExposure) {
     }
     return count;
   };
-  EXPECT_GT(blurred_columns(renderer.Render({path, 1})), blurred_columns(renderer.Render({{path[0]}, 1})) + 4);
+  EXPECT_GT(blurred_columns(renderer.Render({path, 1})),
+            blurred_columns(renderer.Render({{path[0]}, 1})) + 4);
 }
 
 TEST(EncodeJpeg, CarriesTheTimeOfExposure) {

@@ -14,9 +14,12 @@ const Light kCloud{0.85F, 0.87F, 0.90F};
 
 Light Blend(const Light& a, const Light& b, float ratio) { return a + ratio * (b - a); }
 
-Light ClearSky(float height) { return Blend(kHorizon, kZenith, std::pow(std::clamp(height, 0.0F, 1.0F), 0.45F)); }
+Light ClearSky(float height) {
+  return Blend(kHorizon, kZenith, std::pow(std::clamp(height, 0.0F, 1.0F), 0.45F));
+}
 
-/// Of the light of ClearSky that falls on level ground: the integral over the half sphere, weighted by the height.
+/// Of the light of ClearSky that falls on level ground: the integral over the half sphere, weighted by the
+/// height.
 Light SkylightOf(const auto& radiance) {
   constexpr int kRings = 64;
   Light sum = Light::Zero();
@@ -46,8 +49,11 @@ SkyDome::SkyDome(const Sky& sky, const Sun& sun)
   // Low sun is redder (longer way through the air); clouds take light from the sun and give it to the sky.
   const auto air = static_cast<float>(1.0 / (std::sin(sun.elevation_rad) + 0.08));
   const auto strength = static_cast<float>(sun.strength * (1.0 - 0.55 * sky.cloud_ratio * sky.cloud_ratio));
-  sunlight_ = 1.15F * strength * Light(std::exp(-0.03F * air), std::exp(-0.06F * air), std::exp(-0.12F * air));
-  skylight_ = SkylightOf([&](float height) { return Glow({std::sqrt(1.0F - height * height), 0.0F, height}); });
+  sunlight_ =
+      1.15F * strength * Light(std::exp(-0.03F * air), std::exp(-0.06F * air), std::exp(-0.12F * air));
+  skylight_ = SkylightOf([&](float height) {
+    return Glow({std::sqrt(1.0F - height * height), 0.0F, height});
+  });
   haze_ = Glow({1.0F, 0.0F, 0.0F});
 }
 

@@ -17,11 +17,12 @@ class SkyDome {
   SkyDome(const Sky& sky, const Sun& sun);
 
   const Eigen::Vector3f& toward_sun() const { return toward_sun_; }
-  const Light& sunlight() const { return sunlight_; }    ///< On a surface that faces the sun.
-  const Light& skylight() const { return skylight_; }    ///< On level ground under the open sky.
-  const Light& haze() const { return haze_; }            ///< The colour in which distant things fade.
+  const Light& sunlight() const { return sunlight_; }  ///< On a surface that faces the sun.
+  const Light& skylight() const { return skylight_; }  ///< On level ground under the open sky.
+  const Light& haze() const { return haze_; }          ///< The colour in which distant things fade.
 
-  Light Glow(const Eigen::Vector3f& direction) const;      ///< Radiance without single clouds, as it lights things.
+  Light Glow(
+      const Eigen::Vector3f& direction) const;  ///< Radiance without single clouds, as it lights things.
   Light LookInto(const Eigen::Vector3f& direction) const;  ///< Radiance with clouds, as it is seen.
 
  private:

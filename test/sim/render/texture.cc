@@ -23,7 +23,8 @@ float LineCover(float at_m, float period_m, float width_m, float footprint_m) {
 
 /// Coordinates on the surface: along the seams and across (up, on a wall).
 Eigen::Vector2f OnSurface(const Paint& paint, const Eigen::Vector3f& p, const Eigen::Vector3f& normal) {
-  const Eigen::Vector2f turned(paint.along_x * p.x() + paint.along_y * p.y(), paint.along_x * p.y() - paint.along_y * p.x());
+  const Eigen::Vector2f turned(paint.along_x * p.x() + paint.along_y * p.y(),
+                               paint.along_x * p.y() - paint.along_y * p.x());
   if (std::abs(normal.z()) > 0.7F) return turned;
   const Eigen::Vector2f right = Eigen::Vector2f(-normal.y(), normal.x()).normalized();
   return {right.dot(p.head<2>()), p.z()};
@@ -45,17 +46,19 @@ float Bricks(const Paint& paint, const Eigen::Vector2f& at, float footprint_m) {
 }
 
 float Joints(const Paint& paint, float at_m, float period_m, float footprint_m) {
-  return LineCover(at_m, period_m, 0.012F + 0.004F * paint.grain_m, footprint_m);
+  return LineCover(at_m, period_m, 0.008F + 0.002F * paint.grain_m, footprint_m);
 }
 
 }  // namespace
 
 Paint Mix(const Finish& finish, double yaw_rad) {
-  return {ToLinear(finish.color_srgb), finish.pattern, static_cast<float>(finish.grain_m),
-          static_cast<float>(finish.contrast), static_cast<float>(std::cos(yaw_rad)), static_cast<float>(std::sin(yaw_rad))};
+  return {ToLinear(finish.color_srgb),           finish.pattern,
+          static_cast<float>(finish.grain_m),    static_cast<float>(finish.contrast),
+          static_cast<float>(std::cos(yaw_rad)), static_cast<float>(std::sin(yaw_rad))};
 }
 
-Light PaintAt(const Paint& paint, const Eigen::Vector3f& p, const Eigen::Vector3f& normal, float footprint_m) {
+Light PaintAt(const Paint& paint, const Eigen::Vector3f& p, const Eigen::Vector3f& normal,
+              float footprint_m) {
   constexpr float kDarkest = 0.15F;
   float shade = 1.0F;
   switch (paint.pattern) {
@@ -65,30 +68,34 @@ Light PaintAt(const Paint& paint, const Eigen::Vector3f& p, const Eigen::Vector3
       shade += paint.contrast * Mottle(paint, p, footprint_m);
       break;
     case Pattern::kPanels:
-      shade += 0.3F * paint.contrast * Mottle(paint, p, footprint_m) -
-               3.0F * paint.contrast * Joints(paint, OnSurface(paint, p, normal).x(), paint.grain_m, footprint_m);
+      shade +=
+          0.3F * paint.contrast * Mottle(paint, p, footprint_m) -
+          3.0F * paint.contrast * Joints(paint, OnSurface(paint, p, normal).x(), paint.grain_m, footprint_m);
       break;
     case Pattern::kBricks:
       shade += paint.contrast * Bricks(paint, OnSurface(paint, p, normal), footprint_m);
       break;
     case Pattern::kSlabs: {
       const Eigen::Vector2f at = OnSurface(paint, p, normal);
-      shade += paint.contrast * (Mottle(paint, p, footprint_m) + 0.4F * FractalNoise(20.0F / paint.grain_m * p,
-                                 Octaves(0.05F * paint.grain_m, footprint_m, 3.0F))) -
+      shade += paint.contrast * (Mottle(paint, p, footprint_m) +
+                                 0.4F * FractalNoise(20.0F / paint.grain_m * p,
+                                                     Octaves(0.05F * paint.grain_m, footprint_m, 3.0F))) -
                0.5F * std::max(Joints(paint, at.x(), paint.grain_m, footprint_m),
                                Joints(paint, at.y(), 3.0F * paint.grain_m, footprint_m));
       break;
     }
     case Pattern::kGrass: {
       const float large = Mottle(paint, p, footprint_m);
-      const float fine = FractalNoise(12.0F / paint.grain_m * p, Octaves(paint.grain_m / 12.0F, footprint_m, 3.0F));
+      const float fine =
+          FractalNoise(12.0F / paint.grain_m * p, Octaves(paint.grain_m / 12.0F, footprint_m, 3.0F));
       shade += paint.contrast * (large + 1.3F * fine);
       const float dry = 0.5F * paint.contrast * large;  // Dry patches are more yellow.
-      return std::max(shade, kDarkest) * paint.color.cwiseProduct(Light(1.0F + dry, 1.0F + 0.4F * dry, 1.0F - dry));
+      return std::max(shade, kDarkest) *
+             paint.color.cwiseProduct(Light(1.0F + dry, 1.0F + 0.4F * dry, 1.0F - dry));
     }
   }
-  return std::min(std::max(shade, kDarkest) * paint.color.maxCoeff(), 0.95F) / std::max(paint.color.maxCoeff(), 1e-6F) *
-         paint.color;
+  return std::min(std::max(shade, kDarkest) * paint.color.maxCoeff(), 0.95F) /
+         std::max(paint.color.maxCoeff(), 1e-6F) * paint.color;
 }
 
 }  // namespace soffit::sim

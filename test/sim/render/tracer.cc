@@ -49,8 +49,11 @@ std::array<RayHit, kPacket> Tracer::Trace(const RayPacket& rays) const {
     const Eigen::Vector3f& direction = rays.direction[i];
     const float ground_m = direction.z() < 0.0F ? -rays.origin_m[i].z() / direction.z() : kFar_m;
     if (packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID && packet.ray.tfar[i] <= ground_m) {
-      hit = {static_cast<int>(packet.hit.geomID[i]), static_cast<int>(packet.hit.primID[i]), packet.hit.u[i],
-             packet.hit.v[i], packet.ray.tfar[i],
+      hit = {static_cast<int>(packet.hit.geomID[i]),
+             static_cast<int>(packet.hit.primID[i]),
+             packet.hit.u[i],
+             packet.hit.v[i],
+             packet.ray.tfar[i],
              Eigen::Vector3f(packet.hit.Ng_x[i], packet.hit.Ng_y[i], packet.hit.Ng_z[i]).normalized()};
       hit.is_inside = hit.normal.dot(direction) > 0.0F;
       if (hit.is_inside) hit.normal = -hit.normal;

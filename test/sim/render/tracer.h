@@ -22,9 +22,9 @@ struct RayPacket {
 struct RayHit {
   static constexpr int kSky = -1;
   static constexpr int kGround = -2;
-  int body = kSky;      ///< Index of the body, or kGround, or kSky.
+  int body = kSky;  ///< Index of the body, or kGround, or kSky.
   int triangle = 0;
-  float u = 0.0F;       ///< Barycentric: point = (1 - u - v) a + u b + v c.
+  float u = 0.0F;  ///< Barycentric: point = (1 - u - v) a + u b + v c.
   float v = 0.0F;
   float distance_m = 0.0F;
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< Unit, towards where the ray came from.

@@ -18,8 +18,8 @@ constexpr double kDeg = std::numbers::pi / 180.0;
 /// A building's box along its longest side.
 struct Block {
   Vector2d center_m;
-  double yaw_rad;       ///< Of the longest side.
-  Vector2d size_m;      ///< Along and across it.
+  double yaw_rad;   ///< Of the longest side.
+  Vector2d size_m;  ///< Along and across it.
   double height_m;
 };
 
@@ -52,7 +52,8 @@ class Planner {
 
   void AddOverview() {
     const Vector2d center = world_.mission.area_center_m;
-    Add("overview", Purpose::kOverview, "", 0.0, {center.x(), center.y(), world_.mission.overview_altitude_m}, DrawYaw(), -90 * kDeg);
+    Add("overview", Purpose::kOverview, "", 0.0, {center.x(), center.y(), world_.mission.overview_altitude_m},
+        DrawYaw(), -90 * kDeg);
   }
 
   void AddTop(const ObjectTruth& object) {
@@ -62,7 +63,8 @@ class Planner {
     const double fit_m = reach_m * lens.fx_px / (kFraming * 0.5 * lens.height_px);
     const double least_m = world_.mission.overview_altitude_m * 4.0 / 9.0;
     Add("top_" + std::to_string(tops_++), Purpose::kTop, object.id, 0.0,
-        {block.center_m.x(), block.center_m.y(), std::max(block.height_m + fit_m, least_m)}, DrawYaw(), -90 * kDeg);
+        {block.center_m.x(), block.center_m.y(), std::max(block.height_m + fit_m, least_m)}, DrawYaw(),
+        -90 * kDeg);
   }
 
   /// Side 0 is the front, along the longest side; 1, 2, 3 follow clockwise.
@@ -80,7 +82,9 @@ class Planner {
     const Vector3d position(at.x(), at.y(), look_m);
     const double free_m = 2.0 * (world_.vehicle.radius_m + world_.vehicle.safety_margin_m);
     const bool is_free = space_.DistanceToBodies({position, 0.01, 0.01}, free_m).distance_m >= free_m;
-    if (is_free) Add("wall_" + std::to_string(walls_++), Purpose::kWall, object.id, outward_rad, position, outward_rad + std::numbers::pi, 0.0);
+    if (is_free)
+      Add("wall_" + std::to_string(walls_++), Purpose::kWall, object.id, outward_rad, position,
+          outward_rad + std::numbers::pi, 0.0);
   }
 
   std::vector<SurveyFrame> Take() { return std::move(frames_); }
@@ -88,12 +92,14 @@ class Planner {
  private:
   double DrawYaw() { return dice_.Between(-std::numbers::pi, std::numbers::pi); }
 
-  void Add(const std::string& name, Purpose purpose, const std::string& object, double wall_yaw_rad, const Vector3d& position_m,
-           double yaw_rad, double pitch_rad) {
+  void Add(const std::string& name, Purpose purpose, const std::string& object, double wall_yaw_rad,
+           const Vector3d& position_m, double yaw_rad, double pitch_rad) {
     const double scale = world_.mission.overview_altitude_m / 9.0;
     SurveyFrame frame{name + ".jpg", purpose, object, wall_yaw_rad, {}, {}};
-    frame.map_from_camera = Shake({CameraAttitude(yaw_rad, pitch_rad), position_m}, 0.06 * scale, 0.6 * kDeg, dice_);
-    frame.reported = Shake(frame.map_from_camera, world_.pose_noise.position_std_m, world_.pose_noise.orientation_std_rad, dice_);
+    frame.map_from_camera =
+        Shake({CameraAttitude(yaw_rad, pitch_rad), position_m}, 0.06 * scale, 0.6 * kDeg, dice_);
+    frame.reported = Shake(frame.map_from_camera, world_.pose_noise.position_std_m,
+                           world_.pose_noise.orientation_std_rad, dice_);
     frames_.push_back(frame);
   }
 

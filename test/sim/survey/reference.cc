@@ -47,12 +47,13 @@ cv::Mat1b DrawReference(const World& world) {
   for (const Polygon& polygon : shapes) {
     for (const Eigen::Vector2d& corner : polygon.outer) high = high.cwiseMax(corner);
   }
-  cv::Mat1b picture(static_cast<int>(std::ceil(high.y())) + 2 * kBorder_px, static_cast<int>(std::ceil(high.x())) + 2 * kBorder_px,
-                    std::uint8_t{255});
+  cv::Mat1b picture(static_cast<int>(std::ceil(high.y())) + 2 * kBorder_px,
+                    static_cast<int>(std::ceil(high.x())) + 2 * kBorder_px, std::uint8_t{255});
   for (int row = 0; row < picture.rows; ++row) {
     for (int column = 0; column < picture.cols; ++column) {
       const Eigen::Vector2d at(column - kBorder_px, row - kBorder_px);
-      const bool is_inside = std::any_of(shapes.begin(), shapes.end(), [&](const Polygon& shape) { return Contains(shape, at); });
+      const bool is_inside = std::any_of(shapes.begin(), shapes.end(),
+                                         [&](const Polygon& shape) { return Contains(shape, at); });
       if (is_inside) picture(row, column) = 0;
     }
   }

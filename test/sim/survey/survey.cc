@@ -27,27 +27,33 @@ Status WriteBytes(const std::filesystem::path& file, const std::vector<std::uint
   return WriteBytes(file, reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
-Status WriteText(const std::filesystem::path& file, const std::string& text) { return WriteBytes(file, text.data(), text.size()); }
+Status WriteText(const std::filesystem::path& file, const std::string& text) {
+  return WriteBytes(file, text.data(), text.size());
+}
 
 }  // namespace
 
 Status WriteSurvey(const World& world, std::uint64_t seed, const std::filesystem::path& folder, int threads) {
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
-  if (problem) return Error{Error::Code::kUnavailable, folder.string() + ": cannot be made: " + problem.message()};
+  if (problem)
+    return Error{Error::Code::kUnavailable, folder.string() + ": cannot be made: " + problem.message()};
   Dice dice(seed);
   const Truth truth = FindTruth(world);
   const std::vector<SurveyFrame> frames = PlanFrames(world, truth, dice);
   const Renderer renderer(world, threads);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const cv::Mat3b picture = renderer.Render({{frames[i].map_from_camera}, Mix(seed) + i});
-    const auto jpeg = EncodeJpeg(picture, world.camera.jpeg_quality, kBegin_utc_ns + static_cast<std::int64_t>(i) * kBetweenFrames_ns);
+    const auto jpeg = EncodeJpeg(picture, world.camera.jpeg_quality,
+                                 kBegin_utc_ns + static_cast<std::int64_t>(i) * kBetweenFrames_ns);
     if (const Status written = WriteBytes(folder / frames[i].file, jpeg); !written.ok()) return written;
   }
   std::vector<std::uint8_t> png;
   cv::imencode(".png", DrawReference(world), png);
   if (const Status written = WriteBytes(folder / "reference.png", png); !written.ok()) return written;
-  if (const Status written = WriteText(folder / "survey.json", DescribeSurvey(world, frames).dump(1)); !written.ok()) return written;
+  if (const Status written = WriteText(folder / "survey.json", DescribeSurvey(world, frames).dump(1));
+      !written.ok())
+    return written;
   return WriteText(folder / "truth.json", DescribeTruth(world, truth, frames).dump(1));
 }
 

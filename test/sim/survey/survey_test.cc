@@ -33,9 +33,9 @@ class SurveyTest : public testing::Test {
  protected:
   SurveyTest() { std::filesystem::remove_all(folder_); }
   ~SurveyTest() override { std::filesystem::remove_all(folder_); }
-  const std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() /
-      ("soffit-survey-" + std::to_string(::getpid()) + testing::UnitTest::GetInstance()->current_test_info()->name());
+  const std::filesystem::path folder_ = std::filesystem::temp_directory_path() /
+                                        ("soffit-survey-" + std::to_string(::getpid()) +
+                                         testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 TEST(DrawReference, TurnsTheBuildingBackByTheRotation) {
@@ -52,7 +52,8 @@ TEST(DrawReference, TurnsTheBuildingBackByTheRotation) {
   EXPECT_NEAR(cv::countNonZero(DrawReference(world) == 0), 80 * 20, 120);
   world.mission.reference_rotation_cw_rad = std::acos(0.0);
   EXPECT_NEAR(DrawReference(world).cols, 60, 1);
-  world.mission.reference_rotation_cw_rad = 0.5;  // Turned clockwise it lies east-west, so it points to the north-east.
+  world.mission.reference_rotation_cw_rad =
+      0.5;  // Turned clockwise it lies east-west, so it points to the north-east.
   const cv::Mat1b slanted = DrawReference(world);
   EXPECT_EQ(slanted(slanted.rows / 2 - 15, slanted.cols / 2 + 27), 0);
   EXPECT_EQ(slanted(slanted.rows / 2 + 15, slanted.cols / 2 + 27), 255);

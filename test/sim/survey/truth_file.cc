@@ -33,7 +33,9 @@ json ToJson(const std::vector<Ring>& rings) {
 double Heading_deg(double yaw_rad) { return std::fmod(90.0 - yaw_rad / kDeg + 720.0, 360.0); }
 
 json DescribeVehicle(const VehicleEnvelope& vehicle) {
-  return {{"radius_m", vehicle.radius_m}, {"height_m", vehicle.height_m}, {"safety_margin_m", vehicle.safety_margin_m}};
+  return {{"radius_m", vehicle.radius_m},
+          {"height_m", vehicle.height_m},
+          {"safety_margin_m", vehicle.safety_margin_m}};
 }
 
 /// A prism as polygon (u, v) in a frame (columns of R, origin t) between two values of w.
@@ -53,14 +55,18 @@ json DescribeSolid(const Prism& prism, const Structure& structure) {
   }
   json rows = json::array();
   for (int i = 0; i < 3; ++i) rows.push_back({turn(i, 0), turn(i, 1), turn(i, 2)});
-  return {{"R", rows}, {"t", ToJson(origin)}, {"polygon", ToJson(prism.section.outer)},
-          {"holes", ToJson(prism.section.holes)}, {"w", {low, high}}};
+  return {{"R", rows},
+          {"t", ToJson(origin)},
+          {"polygon", ToJson(prism.section.outer)},
+          {"holes", ToJson(prism.section.holes)},
+          {"w", {low, high}}};
 }
 
 json DescribeSolids(const Structure& structure) {
   json solids = json::array();
   for (const Part& part : structure.parts) {
-    if (const auto* prism = std::get_if<Prism>(&part.shape)) solids.push_back(DescribeSolid(*prism, structure));
+    if (const auto* prism = std::get_if<Prism>(&part.shape))
+      solids.push_back(DescribeSolid(*prism, structure));
   }
   return solids;
 }
@@ -106,7 +112,8 @@ std::pair<Vector3d, Vector3d> FindMouths(const Passage& passage, const Polygon& 
   return {first, last};
 }
 
-json DescribePassage(const Passage& passage, const Polygon& footprint, const VehicleEnvelope& vehicle, int index) {
+json DescribePassage(const Passage& passage, const Polygon& footprint, const VehicleEnvelope& vehicle,
+                     int index) {
   const auto [mouth, far_mouth] = FindMouths(passage, footprint);
   const Vector3d along = (passage.exit_m - passage.entry_m).normalized();
   return {{"id", "p" + std::to_string(index)},
@@ -125,14 +132,23 @@ json DescribePassage(const Passage& passage, const Polygon& footprint, const Veh
           {"exit", ToJson(passage.exit_m)}};
 }
 
+bool IsAcrossAWall(const Passage& passage, const Polygon& footprint) {
+  const Vector2d along = (passage.exit_m - passage.entry_m).head<2>().normalized();
+  for (std::size_t i = 0; i < footprint.outer.size(); ++i) {
+    const Vector2d side = footprint.outer[(i + 1) % footprint.outer.size()] - footprint.outer[i];
+    if (std::abs(along.dot(side.normalized())) < 0.01) return true;
+  }
+  return false;
+}
+
 /// The free rectangle of a passage in its two walls.
 json DescribeOpening(const Passage& passage, const Polygon& footprint, int index) {
   const auto [mouth, far_mouth] = FindMouths(passage, footprint);
   const Vector3d along = (passage.exit_m - passage.entry_m).normalized(), right(along.y(), -along.x(), 0.0);
   const auto outline = [&](const Vector3d& middle) {
     const Vector3d side = passage.free_width_m / 2 * right, up(0, 0, passage.free_height_m / 2);
-    return json{ToJson(Vector3d(middle - side - up)), ToJson(Vector3d(middle - side + up)), ToJson(Vector3d(middle + side + up)),
-                ToJson(Vector3d(middle + side - up))};
+    return json{ToJson(Vector3d(middle - side - up)), ToJson(Vector3d(middle - side + up)),
+                ToJson(Vector3d(middle + side + up)), ToJson(Vector3d(middle + side - up))};
   };
   const double back_rad = std::atan2(-along.y(), -along.x());
   return {{"id", "o" + std::to_string(index)},
@@ -153,14 +169,18 @@ json AcceptedFor(const ObjectTruth& object, bool is_clear, double position_std_m
   return accepted;
 }
 
-json DescribeObject(const Structure& building, const ObjectTruth& object, const World& world, double overview_heading_deg) {
+json DescribeObject(const Structure& building, const ObjectTruth& object, const World& world,
+                    double overview_heading_deg) {
   const Polygon& footprint = object.footprint_in_map_m.at(0);
   const Vector2d center = Centroid(footprint);
   const bool is_clear = !object.passages.empty() && object.passages[0].is_passable;
   json passages = json::array(), openings = json::array();
   for (std::size_t i = 0; i < object.passages.size(); ++i) {
-    passages.push_back(DescribePassage(object.passages[i], footprint, world.vehicle, static_cast<int>(i + 1)));
-    if (object.passages[i].is_passable) openings.push_back(DescribeOpening(object.passages[i], footprint, static_cast<int>(i + 1)));
+    passages.push_back(
+        DescribePassage(object.passages[i], footprint, world.vehicle, static_cast<int>(i + 1)));
+    if (object.passages[i].is_passable && IsAcrossAWall(object.passages[i], footprint)) {
+      openings.push_back(DescribeOpening(object.passages[i], footprint, static_cast<int>(i + 1)));
+    }
   }
   json described = {{"id", object.id},
                     {"role", object.is_wanted ? "target" : "distractor"},
@@ -181,10 +201,11 @@ json DescribeObject(const Structure& building, const ObjectTruth& object, const 
     const double rotation_deg = world.mission.reference_rotation_cw_rad / kDeg;
     const bool is_alone = world.mission.wanted.size() == 1;
     described["expected"] = described["physical"];
-    described["match"] = {{"scale_m_per_px", world.mission.reference_m_per_px},
-                          {"rotation_cw_deg", rotation_deg},
-                          {"rotation_cw_overview_deg", rotation_deg - overview_heading_deg},
-                          {"symmetry_deg", is_alone ? FindSymmetries_deg(footprint) : std::vector<double>{0.0}}};
+    described["match"] = {
+        {"scale_m_per_px", world.mission.reference_m_per_px},
+        {"rotation_cw_deg", rotation_deg},
+        {"rotation_cw_overview_deg", rotation_deg - overview_heading_deg},
+        {"symmetry_deg", is_alone ? FindSymmetries_deg(footprint) : std::vector<double>{0.0}}};
   }
   return described;
 }
@@ -196,7 +217,9 @@ double HeadingOfTop_deg(const Pose<Map, Camera>& pose) {
 }
 
 json DescribeFrame(const SurveyFrame& frame, const Pose<Map, Camera>& pose) {
-  return {{"file", frame.file}, {"purpose", ToString(frame.purpose)}, {"position", ToJson(pose.translation_m)},
+  return {{"file", frame.file},
+          {"purpose", ToString(frame.purpose)},
+          {"position", ToJson(pose.translation_m)},
           {"orientation", ToJson(pose.rotation)}};
 }
 
@@ -211,29 +234,34 @@ json DescribeTruth(const World& world, const Truth& truth, const std::vector<Sur
     objects.push_back(DescribeObject(world.buildings[i], object, world, heading_deg));
     if (object.is_wanted && truth.expected != Outcome::kNoMatch) group.push_back(object.id);
   }
-  for (const Structure& obstacle : world.obstacles) obstacles.push_back({{"id", obstacle.id}, {"solids", DescribeSolids(obstacle)}});
+  for (const Structure& obstacle : world.obstacles)
+    obstacles.push_back({{"id", obstacle.id}, {"solids", DescribeSolids(obstacle)}});
   for (const SurveyFrame& frame : frames) {
     json entry = DescribeFrame(frame, frame.map_from_camera);
     entry["object"] = frame.object.empty() ? json() : json(frame.object);
-    entry["wall_azimuth_deg"] = frame.purpose == Purpose::kWall ? json(Heading_deg(frame.wall_yaw_rad)) : json();
+    entry["wall_azimuth_deg"] =
+        frame.purpose == Purpose::kWall ? json(Heading_deg(frame.wall_yaw_rad)) : json();
     described.push_back(entry);
   }
   const PoseNoise& noise = world.pose_noise;
-  return {{"format", "soffit-truth/1"},
-          {"scene", world.name},
-          {"title", world.title},
-          {"scale_class", world.mission.overview_altitude_m > 40.0 ? "real" : "model"},
-          {"pose_noise", {{"position_std_m", noise.position_std_m}, {"orientation_std_deg", noise.orientation_std_rad / kDeg}}},
-          {"vehicle", DescribeVehicle(world.vehicle)},
-          {"reference", {{"metres_per_px", world.mission.reference_m_per_px},
-                         {"rotation_cw_deg", world.mission.reference_rotation_cw_rad / kDeg},
-                         {"group", group}}},
-          {"overview_heading_deg", heading_deg},
-          {"expected_outcome", ToString(truth.expected)},
-          {"reason", truth.reason},
-          {"frames", described},
-          {"objects", objects},
-          {"obstacles", obstacles}};
+  return {
+      {"format", "soffit-truth/1"},
+      {"scene", world.name},
+      {"title", world.title},
+      {"scale_class", world.mission.overview_altitude_m > 40.0 ? "real" : "model"},
+      {"pose_noise",
+       {{"position_std_m", noise.position_std_m}, {"orientation_std_deg", noise.orientation_std_rad / kDeg}}},
+      {"vehicle", DescribeVehicle(world.vehicle)},
+      {"reference",
+       {{"metres_per_px", world.mission.reference_m_per_px},
+        {"rotation_cw_deg", world.mission.reference_rotation_cw_rad / kDeg},
+        {"group", group}}},
+      {"overview_heading_deg", heading_deg},
+      {"expected_outcome", ToString(truth.expected)},
+      {"reason", truth.reason},
+      {"frames", described},
+      {"objects", objects},
+      {"obstacles", obstacles}};
 }
 
 json DescribeSurvey(const World& world, const std::vector<SurveyFrame>& frames) {
@@ -248,8 +276,15 @@ json DescribeSurvey(const World& world, const std::vector<SurveyFrame>& frames) 
     described.push_back(entry);
   }
   return {{"format", "soffit-survey/1"},
-          {"camera", {{"width", lens.width_px}, {"height", lens.height_px}, {"fx", lens.fx_px}, {"fy", lens.fy_px},
-                      {"cx", lens.cx_px}, {"cy", lens.cy_px}, {"distortion_model", "plumb_bob"}, {"d", lens.distortion}}},
+          {"camera",
+           {{"width", lens.width_px},
+            {"height", lens.height_px},
+            {"fx", lens.fx_px},
+            {"fy", lens.fy_px},
+            {"cx", lens.cx_px},
+            {"cy", lens.cy_px},
+            {"distortion_model", "plumb_bob"},
+            {"d", lens.distortion}}},
           {"vehicle", DescribeVehicle(world.vehicle)},
           {"reference", {{"image", "reference.png"}}},
           {"colors", {"red", "blue", "yellow"}},

@@ -44,7 +44,8 @@ Points Clip(const Points& polygon, const Axis& axis, double least) {
     const auto& q = polygon[(i + 1) % polygon.size()];
     const double at_p = axis.dot(p) - least, at_q = axis.dot(q) - least;
     if (at_p >= 0.0) kept.push_back(p);
-    if ((at_p > 0.0 && at_q < 0.0) || (at_p < 0.0 && at_q > 0.0)) kept.push_back(p + at_p / (at_p - at_q) * (q - p));
+    if ((at_p > 0.0 && at_q < 0.0) || (at_p < 0.0 && at_q > 0.0))
+      kept.push_back(p + at_p / (at_p - at_q) * (q - p));
   }
   return kept;
 }
@@ -75,7 +76,8 @@ class Section {
       part = Clip(part, Vector3d(-along_), -(reach_.high + slack_m));
       if (part.size() >= 3) shapes_.push_back(Flatten(part));
     }
-    for (const Triangle& triangle : site.building) building_.push_back(Flatten({triangle.begin(), triangle.end()}));
+    for (const Triangle& triangle : site.building)
+      building_.push_back(Flatten({triangle.begin(), triangle.end()}));
     cell_m_ = std::max(0.01, std::max(width_.Length(), top_m_) / 1000.0);
   }
 
@@ -98,16 +100,21 @@ class Section {
 
   /// The exact extent of a free rectangle that was found on the raster: first in the direction that binds.
   Gap Grow(const Gap& gap, const VehicleEnvelope& vehicle) const {
-    const double width_ratio = gap.u.Length() / vehicle.NeededWidth_m(), height_ratio = gap.z.Length() / vehicle.NeededHeight_m();
+    const double width_ratio = gap.u.Length() / vehicle.NeededWidth_m(),
+                 height_ratio = gap.z.Length() / vehicle.NeededHeight_m();
     Gap grown = gap;
     for (const bool in_width : {width_ratio <= height_ratio, width_ratio > height_ratio}) {
-      if (in_width) grown.u = GrowAlong(grown, 0);
-      else grown.z = GrowAlong(grown, 1);
+      if (in_width)
+        grown.u = GrowAlong(grown, 0);
+      else
+        grown.z = GrowAlong(grown, 1);
     }
     return grown;
   }
 
-  Vector3d Place(double u, double z, double along) const { return u * right_ + along * along_ + Vector3d(0, 0, z); }
+  Vector3d Place(double u, double z, double along) const {
+    return u * right_ + along * along_ + Vector3d(0, 0, z);
+  }
   double cell_m() const { return cell_m_; }
   Span flight() const { return {reach_.low - approach_m_, reach_.high + approach_m_}; }
 
@@ -140,8 +147,10 @@ class Section {
       part = Clip(part, Vector2d(-across), -(other.high - inset));
       Span taken;
       for (const Vector2d& p : part) taken.Include(p[axis]);
-      if (taken.high <= middle) free.low = std::max(free.low, taken.high);
-      else if (taken.low >= middle) free.high = std::min(free.high, taken.low);
+      if (taken.high <= middle)
+        free.low = std::max(free.low, taken.high);
+      else if (taken.low >= middle)
+        free.high = std::min(free.high, taken.low);
     }
     return free;
   }
@@ -215,8 +224,10 @@ Passage Describe(const Site& site, const Section& section, const Gap& gap) {
   passage.exit_m = section.Place(gap.u.Middle(), gap.z.Middle(), section.flight().high);
   passage.free_width_m = gap.u.Length();
   passage.free_height_m = gap.z.Length();
-  passage.ratio = std::min(passage.free_width_m / vehicle.NeededWidth_m(), passage.free_height_m / vehicle.NeededHeight_m());
-  passage.spare_m = std::min(passage.free_width_m - vehicle.NeededWidth_m(), passage.free_height_m - vehicle.NeededHeight_m());
+  passage.ratio = std::min(passage.free_width_m / vehicle.NeededWidth_m(),
+                           passage.free_height_m / vehicle.NeededHeight_m());
+  passage.spare_m = std::min(passage.free_width_m - vehicle.NeededWidth_m(),
+                             passage.free_height_m - vehicle.NeededHeight_m());
   passage.is_passable = passage.spare_m >= 0.0 && Sweeps(site, passage);
   return passage;
 }
@@ -258,8 +269,8 @@ bool IsNearlyTheSame(const Passage& a, const Passage& b, const VehicleEnvelope& 
   constexpr double kAlike = 0.8;  // Cosine of the angle between.
   const Vector3d along_a = (a.exit_m - a.entry_m).normalized(), along_b = (b.exit_m - b.entry_m).normalized();
   const Vector3d apart = (a.exit_m + a.entry_m - b.exit_m - b.entry_m) / 2.0;
-  return std::abs(along_a.dot(along_b)) > kAlike &&
-         apart.head<2>().norm() < vehicle.NeededWidth_m() && std::abs(apart.z()) < vehicle.NeededHeight_m();
+  return std::abs(along_a.dot(along_b)) > kAlike && apart.head<2>().norm() < vehicle.NeededWidth_m() &&
+         std::abs(apart.z()) < vehicle.NeededHeight_m();
 }
 
 /// Leaves out what no line through the building comes near.
@@ -292,7 +303,8 @@ std::vector<Passage> FindPassages(const Site& whole_site) {
   for (const double yaw : ListDirections(site.footprint)) {
     for (const Passage& passage : FindAlong(site, yaw)) found.push_back(passage);
   }
-  // Passable before impassable; those across a wall, which were found first, before slanted ones that win by a hair.
+  // Passable before impassable; those across a wall, which were found first, before slanted ones that win by
+  // a hair.
   std::stable_sort(found.begin(), found.end(), [](const Passage& a, const Passage& b) {
     return a.is_passable != b.is_passable ? a.is_passable : a.ratio > b.ratio + 0.02;
   });

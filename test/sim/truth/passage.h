@@ -13,8 +13,8 @@ using Triangle = std::array<Eigen::Vector3d, 3>;
 
 /// All that a search for passages of one building looks at.
 struct Site {
-  std::vector<Triangle> building;     ///< Of the building itself.
-  std::vector<Triangle> all;          ///< Of everything, the building included.
+  std::vector<Triangle> building;  ///< Of the building itself.
+  std::vector<Triangle> all;       ///< Of everything, the building included.
   std::vector<Polygon> footprint;
   VehicleEnvelope vehicle;
   const Space* space = nullptr;

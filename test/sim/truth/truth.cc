@@ -21,7 +21,8 @@ std::vector<Polygon> ProjectDown(const std::vector<Triangle>& triangles) {
   return Union(flat);
 }
 
-ObjectTruth Describe(const Structure& building, const World& world, const Space& space, const std::vector<Triangle>& all) {
+ObjectTruth Describe(const Structure& building, const World& world, const Space& space,
+                     const std::vector<Triangle>& all) {
   ObjectTruth object;
   object.id = building.id;
   object.is_absent = building.is_absent;
@@ -38,8 +39,8 @@ ObjectTruth Describe(const Structure& building, const World& world, const Space&
 
 std::string InWords(const Passage& passage, const VehicleEnvelope& vehicle) {
   char text[200];
-  std::snprintf(text, sizeof(text), "%.2f x %.2f m free, %.2f x %.2f m needed", passage.free_width_m, passage.free_height_m,
-                vehicle.NeededWidth_m(), vehicle.NeededHeight_m());
+  std::snprintf(text, sizeof(text), "%.2f x %.2f m free, %.2f x %.2f m needed", passage.free_width_m,
+                passage.free_height_m, vehicle.NeededWidth_m(), vehicle.NeededHeight_m());
   return text;
 }
 
@@ -72,9 +73,12 @@ nlohmann::json ToJson(const Ring& ring) {
 }
 
 nlohmann::json ToJson(const Passage& passage) {
-  return {{"entry", ToJson(passage.entry_m)},          {"exit", ToJson(passage.exit_m)},
-          {"free_width_m", passage.free_width_m},      {"free_height_m", passage.free_height_m},
-          {"ratio", passage.ratio},                    {"spare_m", passage.spare_m},
+  return {{"entry", ToJson(passage.entry_m)},
+          {"exit", ToJson(passage.exit_m)},
+          {"free_width_m", passage.free_width_m},
+          {"free_height_m", passage.free_height_m},
+          {"ratio", passage.ratio},
+          {"spare_m", passage.spare_m},
           {"passable", passage.is_passable}};
 }
 
@@ -104,9 +108,12 @@ std::vector<Polygon> FindFootprint(const Structure& building) {
 
 const char* ToString(Outcome outcome) {
   switch (outcome) {
-    case Outcome::kNotFlown: return "not-flown";
-    case Outcome::kFlown: return "flown";
-    case Outcome::kNoMatch: return "no-match";
+    case Outcome::kNotFlown:
+      return "not-flown";
+    case Outcome::kFlown:
+      return "flown";
+    case Outcome::kNoMatch:
+      return "no-match";
   }
   return "not-flown";
 }
@@ -116,7 +123,8 @@ Truth FindTruth(const World& world) {
   std::vector<Triangle> all;
   for (const Body& body : BuildBodies(world)) AddTriangles(body.mesh_in_map, all);
   Truth truth;
-  for (const Structure& building : world.buildings) truth.objects.push_back(Describe(building, world, space, all));
+  for (const Structure& building : world.buildings)
+    truth.objects.push_back(Describe(building, world, space, all));
   Conclude(world, truth);
   return truth;
 }

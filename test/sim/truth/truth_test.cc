@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "test/sim/world/space.h"
+
 namespace soffit::sim {
 namespace {
 
@@ -24,8 +28,10 @@ Truth TruthOf(const std::string& text) {
 /// An arch 4 m wide and 1.5 m thick with an opening in the middle, turned by 30 degrees.
 std::string Arch(double width_m, double height_m) {
   const std::string half = std::to_string(width_m / 2), top = std::to_string(height_m);
-  return "buildings:\n- {id: a, position: [1, 2], yaw_deg: 30, parts: [{axis: [0, 1], depth: [-0.75, 0.75], profile: "
-         "[[-2, 0], [-" + half + ", 0], [-" + half + ", " + top + "], [" + half + ", " + top + "], [" + half +
+  return "buildings:\n- {id: a, position: [1, 2], yaw_deg: 30, parts: [{axis: [0, 1], depth: [-0.75, 0.75], "
+         "profile: "
+         "[[-2, 0], [-" +
+         half + ", 0], [-" + half + ", " + top + "], [" + half + ", " + top + "], [" + half +
          ", 0], [2, 0], [2, 2.4], [-2, 2.4]]}]}\n";
 }
 
@@ -55,11 +61,14 @@ TEST(FindTruth, RefusesWhatIsAHairTooTight) {
 
 TEST(FindTruth, SeesARecessAsNoPassage) {
   EXPECT_EQ(TruthOf(Arch(1.7, 1.5) + "obstacles: [{id: back, position: [1, 2], yaw_deg: 30, parts: "
-                    "[{box: {center: [0, 0.7], size: [1.8, 0.1]}, z: [0, 1.6]}]}]").expected, Outcome::kNotFlown);
+                                     "[{box: {center: [0, 0.7], size: [1.8, 0.1]}, z: [0, 1.6]}]}]")
+                .expected,
+            Outcome::kNotFlown);
 }
 
 TEST(FindTruth, SeesAPoleInTheApproach) {
-  const Truth truth = TruthOf(Arch(1.7, 1.5) + "obstacles: [{id: pole, position: [1.6, 0.96], parts: "
+  const Truth truth = TruthOf(Arch(1.7, 1.5) +
+                              "obstacles: [{id: pole, position: [1.6, 0.96], parts: "
                               "[{cylinder: {radius: 0.06}, z: [0, 2]}]}]");
   EXPECT_EQ(truth.expected, Outcome::kNotFlown);
   EXPECT_LT(truth.objects[0].passages.at(0).free_width_m, 1.0);
@@ -67,25 +76,63 @@ TEST(FindTruth, SeesAPoleInTheApproach) {
 
 TEST(FindTruth, FindsBothWaysUnderATable) {
   const std::string leg = "{box: {size: [0.3, 0.3], center: ";
-  const Truth truth = TruthOf("buildings: [{id: a, parts: [{box: {center: [0, 0], size: [3.2, 2.8]}, z: [1.6, 1.9]}, " +
-                              leg + "[1.45, 1.25]}, z: [0, 1.6]}, " + leg + "[-1.45, 1.25]}, z: [0, 1.6]}, " + leg +
-                              "[1.45, -1.25]}, z: [0, 1.6]}, " + leg + "[-1.45, -1.25]}, z: [0, 1.6]}]}]");
+  const Truth truth =
+      TruthOf("buildings: [{id: a, parts: [{box: {center: [0, 0], size: [3.2, 2.8]}, z: [1.6, 1.9]}, " + leg +
+              "[1.45, 1.25]}, z: [0, 1.6]}, " + leg + "[-1.45, 1.25]}, z: [0, 1.6]}, " + leg +
+              "[1.45, -1.25]}, z: [0, 1.6]}, " + leg + "[-1.45, -1.25]}, z: [0, 1.6]}]}]");
   ASSERT_GE(truth.objects[0].passages.size(), 2U);
   EXPECT_TRUE(truth.objects[0].passages[0].is_passable && truth.objects[0].passages[1].is_passable);
 }
 
 TEST(FindTruth, DoesNotTakeFlyingOverOrBesideForFlyingUnder) {
-  const Truth truth = TruthOf("buildings: [{id: a, parts: [{box: {center: [0, 0], size: [4, 2]}, z: [0, 2]}, "
-                              "{box: {center: [1.5, 0], size: [1, 2]}, z: [2, 5]}]}]");
+  const Truth truth = TruthOf(
+      "buildings: [{id: a, parts: [{box: {center: [0, 0], size: [4, 2]}, z: [0, 2]}, "
+      "{box: {center: [1.5, 0], size: [1, 2]}, z: [2, 5]}]}]");
   EXPECT_EQ(truth.expected, Outcome::kNotFlown);
   EXPECT_THAT(truth.objects[0].passages, SizeIs(0));
 }
 
 TEST(FindTruth, ExpectsNoMatchWhenTheWantedBuildingIsAbsent) {
-  const Truth truth = TruthOf("buildings: [{id: a, absent: true, parts: [{box: {center: [0, 0], size: [4, 2]}, z: [0, 2]}]}]");
+  const Truth truth = TruthOf(
+      "buildings: [{id: a, absent: true, parts: [{box: {center: [0, 0], size: [4, 2]}, z: [0, 2]}]}]");
   EXPECT_EQ(truth.expected, Outcome::kNoMatch);
   EXPECT_THAT(truth.reason, HasSubstr("not there"));
 }
+
+struct Expectation {
+  const char* name;
+  Outcome outcome;
+};
+class Scenarios : public testing::TestWithParam<Expectation> {};
+
+TEST_P(Scenarios, EndAsTheirDescriptionSaysWithAClearMargin) {
+  std::string name = GetParam().name;
+  std::replace(name.begin(), name.end(), '_', '-');  // Test names have no hyphens.
+  const Result<World> world = LoadWorld(std::string(SOFFIT_SCENARIOS) + "/" + name + ".yaml");
+  ASSERT_TRUE(world.ok()) << world.error().message;
+  const Truth truth = FindTruth(world.value());
+  EXPECT_EQ(truth.expected, GetParam().outcome) << truth.reason;
+  for (const ObjectTruth& object : truth.objects) {
+    if (!object.is_wanted || object.passages.empty()) continue;
+    EXPECT_GE(std::abs(object.passages[0].spare_m), 0.08);
+  }
+  const VehicleEnvelope& vehicle = world.value().vehicle;
+  const Cylinder at_home{{0, 0, 2.0 * vehicle.height_m}, vehicle.radius_m, vehicle.height_m};
+  EXPECT_GE(Space(world.value()).DistanceToBodies(at_home).distance_m, 2.0 * vehicle.safety_margin_m);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Scenarios,
+    testing::Values(Expectation{"arch", Outcome::kFlown}, Expectation{"low_arch", Outcome::kNotFlown},
+                    Expectation{"narrow_arch", Outcome::kNotFlown}, Expectation{"recess", Outcome::kNotFlown},
+                    Expectation{"painted_door", Outcome::kNotFlown}, Expectation{"pole", Outcome::kNotFlown},
+                    Expectation{"beam", Outcome::kNotFlown}, Expectation{"box_behind", Outcome::kNotFlown},
+                    Expectation{"look_alikes", Outcome::kFlown}, Expectation{"group", Outcome::kFlown},
+                    Expectation{"round_arch", Outcome::kFlown}, Expectation{"table", Outcome::kFlown},
+                    Expectation{"l_passage", Outcome::kFlown}, Expectation{"high_window", Outcome::kFlown},
+                    Expectation{"gusty", Outcome::kFlown}, Expectation{"tall", Outcome::kFlown},
+                    Expectation{"absent", Outcome::kNoMatch}),
+    [](const auto& scenario) { return std::string(scenario.param.name); });
 
 }  // namespace
 }  // namespace soffit::sim

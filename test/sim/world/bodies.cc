@@ -17,7 +17,8 @@ Eigen::Vector3d Place(const Prism& prism, const Eigen::Vector2d& in_section, dou
   return {xy.x(), xy.y(), in_section.y()};
 }
 
-void AddTriangle(Mesh& mesh, bool flip, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+void AddTriangle(Mesh& mesh, bool flip, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                 const Eigen::Vector3d& c) {
   const int first = static_cast<int>(mesh.vertices_m.size());
   mesh.vertices_m.insert(mesh.vertices_m.end(), {a, flip ? c : b, flip ? b : c});
   mesh.triangles.push_back({first, first + 1, first + 2});
@@ -69,7 +70,8 @@ Mesh BuildSphere(int levels) {
   for (int level = 0; level < levels; ++level) {
     std::map<std::pair<int, int>, int> middles;
     const auto middle = [&](int a, int b) {
-      const auto [found, is_new] = middles.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices_m.size()));
+      const auto [found, is_new] =
+          middles.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices_m.size()));
       if (is_new) mesh.vertices_m.push_back((mesh.vertices_m[a] + mesh.vertices_m[b]).normalized());
       return found->second;
     };
@@ -93,7 +95,8 @@ Mesh BuildBush(const Bush& bush) {
   for (std::uint64_t i = 0; i < kBalls; ++i) {
     const double radius_m = bush.radius_m * (0.45 + 0.2 * ToUnit(Mix(seed + 3 * i)));
     const double away_m = (i == 0 ? 0.0 : 1.0) * (0.85 * bush.radius_m - radius_m);
-    const double angle = 2.0 * std::numbers::pi * (ToUnit(Mix(seed + 3 * i + 1)) / kBalls + static_cast<double>(i) / kBalls);
+    const double angle =
+        2.0 * std::numbers::pi * (ToUnit(Mix(seed + 3 * i + 1)) / kBalls + static_cast<double>(i) / kBalls);
     const Eigen::Vector3d center(bush.position_m.x() + away_m * std::cos(angle),
                                  bush.position_m.y() + away_m * std::sin(angle),
                                  radius_m * (0.7 + 0.5 * ToUnit(Mix(seed + 3 * i + 2))));

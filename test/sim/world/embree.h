@@ -6,7 +6,8 @@
 
 namespace soffit::sim {
 
-/// An Embree scene of triangle meshes; geometry i is the i-th mesh that was added. Building runs on one thread.
+/// An Embree scene of triangle meshes; geometry i is the i-th mesh that was added. Building runs on one
+/// thread.
 class EmbreeScene {
  public:
   EmbreeScene();

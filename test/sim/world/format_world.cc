@@ -12,12 +12,18 @@ constexpr double kDeg = std::numbers::pi / 180.0;
 
 const char* NameOf(Pattern pattern) {
   switch (pattern) {
-    case Pattern::kPlain: return "plain";
-    case Pattern::kMottled: return "mottled";
-    case Pattern::kPanels: return "panels";
-    case Pattern::kBricks: return "bricks";
-    case Pattern::kSlabs: return "slabs";
-    case Pattern::kGrass: return "grass";
+    case Pattern::kPlain:
+      return "plain";
+    case Pattern::kMottled:
+      return "mottled";
+    case Pattern::kPanels:
+      return "panels";
+    case Pattern::kBricks:
+      return "bricks";
+    case Pattern::kSlabs:
+      return "slabs";
+    case Pattern::kGrass:
+      return "grass";
   }
   return "plain";
 }
@@ -46,8 +52,8 @@ void PutRing(YAML::Emitter& out, const Ring& ring) {
 
 void PutFinish(YAML::Emitter& out, const Finish& finish) {
   const Eigen::Vector3d color = 255.0 * finish.color_srgb;
-  out << YAML::Key << "color" << YAML::Value << YAML::Flow << YAML::BeginSeq << color.x() << color.y() << color.z()
-      << YAML::EndSeq;
+  out << YAML::Key << "color" << YAML::Value << YAML::Flow << YAML::BeginSeq << color.x() << color.y()
+      << color.z() << YAML::EndSeq;
   Put(out, "pattern", NameOf(finish.pattern));
   Put(out, "grain_m", finish.grain_m);
   Put(out, "contrast", finish.contrast);

@@ -45,7 +45,8 @@ class Geos {
     std::vector<GEOSGeometry*> holes;
     for (const Ring& hole : polygon.holes) holes.push_back(MakeRing(hole));
     return Own(GEOSGeom_createPolygon_r(handle_, MakeRing(polygon.outer), holes.data(),
-                                        static_cast<unsigned>(holes.size())), "making a polygon");
+                                        static_cast<unsigned>(holes.size())),
+               "making a polygon");
   }
 
   Ring ReadRing(const GEOSGeometry* ring) const {
@@ -89,7 +90,8 @@ std::vector<std::array<Eigen::Vector2d, 3>> Triangulate(const Polygon& polygon) 
   const Geos geos;
   const auto shape = geos.MakePolygon(polygon);
   if (GEOSisValid_r(geos.get(), shape.get()) != 1) throw std::runtime_error("the polygon is not valid");
-  const auto tiles = geos.Own(GEOSConstrainedDelaunayTriangulation_r(geos.get(), shape.get()), "triangulation");
+  const auto tiles =
+      geos.Own(GEOSConstrainedDelaunayTriangulation_r(geos.get(), shape.get()), "triangulation");
   std::vector<std::array<Eigen::Vector2d, 3>> triangles;
   for (int i = 0; i < GEOSGetNumGeometries_r(geos.get(), tiles.get()); ++i) {
     const GEOSGeometry* tile = GEOSGetGeometryN_r(geos.get(), tiles.get(), i);
@@ -107,20 +109,23 @@ std::vector<Polygon> Union(const std::vector<std::array<Eigen::Vector2d, 3>>& tr
     if (std::abs(SignedArea(ring)) > 1e-9) tiles.push_back(geos.MakePolygon({ring, {}}).release());
   }
   const auto all = geos.Own(GEOSGeom_createCollection_r(geos.get(), GEOS_MULTIPOLYGON, tiles.data(),
-                                                        static_cast<unsigned>(tiles.size())), "collecting");
+                                                        static_cast<unsigned>(tiles.size())),
+                            "collecting");
   const auto merged = geos.Own(GEOSUnaryUnionPrec_r(geos.get(), all.get(), kGrid_m), "union");
   std::vector<Polygon> polygons;
   for (int i = 0; i < GEOSGetNumGeometries_r(geos.get(), merged.get()); ++i) {
     const GEOSGeometry* part = GEOSGetGeometryN_r(geos.get(), merged.get(), i);
     if (GEOSGeomTypeId_r(geos.get(), part) != GEOS_POLYGON) continue;
-    Polygon polygon{Oriented(WithoutCollinear(geos.ReadRing(GEOSGetExteriorRing_r(geos.get(), part))), true), {}};
+    Polygon polygon{Oriented(WithoutCollinear(geos.ReadRing(GEOSGetExteriorRing_r(geos.get(), part))), true),
+                    {}};
     for (int h = 0; h < GEOSGetNumInteriorRings_r(geos.get(), part); ++h) {
       const Ring hole = WithoutCollinear(geos.ReadRing(GEOSGetInteriorRingN_r(geos.get(), part, h)));
       if (hole.size() >= 3) polygon.holes.push_back(Oriented(hole, false));
     }
     if (polygon.outer.size() >= 3) polygons.push_back(polygon);
   }
-  std::stable_sort(polygons.begin(), polygons.end(), [](const Polygon& a, const Polygon& b) { return Area(a) > Area(b); });
+  std::stable_sort(polygons.begin(), polygons.end(),
+                   [](const Polygon& a, const Polygon& b) { return Area(a) > Area(b); });
   return polygons;
 }
 

@@ -7,8 +7,8 @@ namespace soffit::sim {
 namespace {
 
 float AtLattice(std::int32_t x, std::int32_t y, std::int32_t z) {
-  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x8da6b343U ^ static_cast<std::uint32_t>(y) * 0xd8163841U ^
-                    static_cast<std::uint32_t>(z) * 0xcb1ab31fU;
+  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x8da6b343U ^
+                    static_cast<std::uint32_t>(y) * 0xd8163841U ^ static_cast<std::uint32_t>(z) * 0xcb1ab31fU;
   h = (h ^ (h >> 15U)) * 0x2c1b3c6dU;
   h = (h ^ (h >> 12U)) * 0x297a2d39U;
   return static_cast<float>(h >> 8U) * (2.0F / 16777216.0F) - 1.0F;
@@ -21,7 +21,8 @@ float Fade(float t) { return t * t * t * (t * (t * 6.0F - 15.0F) + 10.0F); }
 
 float Noise(const Eigen::Vector3f& point) {
   const float fx = std::floor(point.x()), fy = std::floor(point.y()), fz = std::floor(point.z());
-  const auto x = static_cast<std::int32_t>(fx), y = static_cast<std::int32_t>(fy), z = static_cast<std::int32_t>(fz);
+  const auto x = static_cast<std::int32_t>(fx), y = static_cast<std::int32_t>(fy),
+             z = static_cast<std::int32_t>(fz);
   const float u = Fade(point.x() - fx), v = Fade(point.y() - fy), w = Fade(point.z() - fz);
   const auto along_x = [&](int dy, int dz) {
     return Mix(AtLattice(x, y + dy, z + dz), AtLattice(x + 1, y + dy, z + dz), u);

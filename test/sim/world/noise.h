@@ -19,7 +19,8 @@ constexpr double ToUnit(std::uint64_t bits) { return static_cast<double>(bits >>
 /// Smooth noise, one feature per unit of length, from -1 to 1: value noise on a lattice (K. Perlin, 1985).
 float Noise(const Eigen::Vector3f& point);
 
-/// Sum of octaves, each twice as fine and two thirds as strong, from about -1 to 1. `octaves` may be broken: the last one fades.
+/// Sum of octaves, each twice as fine and two thirds as strong, from about -1 to 1. `octaves` may be broken:
+/// the last one fades.
 float FractalNoise(const Eigen::Vector3f& point, float octaves);
 
 }  // namespace soffit::sim

@@ -30,7 +30,8 @@ bool ReadFace(std::istringstream& words, Mesh& mesh) {
     if (corners.back() < 0) return false;
   }
   if (corners.size() < 3) return false;
-  for (std::size_t i = 2; i < corners.size(); ++i) mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+  for (std::size_t i = 2; i < corners.size(); ++i)
+    mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
   return true;
 }
 
@@ -47,7 +48,8 @@ Result<Mesh> ReadObj(const std::filesystem::path& file) {
     std::string kind;
     words >> kind;
     const bool is_well = kind == "v" ? ReadVertex(words, mesh) : kind == "f" ? ReadFace(words, mesh) : true;
-    if (!is_well) return InvalidInput(file.string() + ": line " + std::to_string(number) + ": not understood: " + line);
+    if (!is_well)
+      return InvalidInput(file.string() + ": line " + std::to_string(number) + ": not understood: " + line);
   }
   if (mesh.triangles.empty()) return InvalidInput(file.string() + ": has no faces");
   return mesh;

@@ -84,8 +84,8 @@ Ring RingOfCylinder(const Eigen::Vector2d& center, double radius_m) {
 Ring RingOfBox(const YamlReader& in) {
   const Eigen::Vector2d center = in.At("center").Vector2({-kMaxReach_m, kMaxReach_m});
   const Eigen::Vector2d half = 0.5 * in.At("size").Vector2({0.001, kMaxReach_m});
-  return {center + Eigen::Vector2d(-half.x(), -half.y()), center + Eigen::Vector2d(half.x(), -half.y()), center + half,
-          center + Eigen::Vector2d(-half.x(), half.y())};
+  return {center + Eigen::Vector2d(-half.x(), -half.y()), center + Eigen::Vector2d(half.x(), -half.y()),
+          center + half, center + Eigen::Vector2d(-half.x(), half.y())};
 }
 
 Prism ReadLyingPrism(const YamlReader& in) {
@@ -126,8 +126,8 @@ std::variant<Prism, MeshFile> ReadShape(const YamlReader& in, const std::filesys
 }
 
 Part ReadPart(const YamlReader& in, const Finish& finish, const std::filesystem::path& folder) {
-  in.AllowKeys({"polygon", "holes", "z", "profile", "axis", "at", "depth", "cylinder", "box", "mesh", "color", "pattern",
-                "grain_m", "contrast"});
+  in.AllowKeys({"polygon", "holes", "z", "profile", "axis", "at", "depth", "cylinder", "box", "mesh", "color",
+                "pattern", "grain_m", "contrast"});
   Part part{ReadShape(in, folder), {}};
   if (in.Has("color") || in.Has("pattern") || in.Has("grain_m") || in.Has("contrast")) {
     part.finish = ReadFinish(in, finish);
@@ -150,19 +150,20 @@ Structure ReadStructure(const YamlReader& in, const std::filesystem::path& folde
   return structure;
 }
 
-std::vector<Structure> ReadStructures(const YamlReader& in, const char* key, const std::filesystem::path& folder,
-                                      std::set<std::string>& ids) {
+std::vector<Structure> ReadStructures(const YamlReader& in, const char* key,
+                                      const std::filesystem::path& folder, std::set<std::string>& ids) {
   std::vector<Structure> structures;
   for (const YamlReader& item : in.Items(key)) {
     structures.push_back(ReadStructure(item, folder));
-    if (!ids.insert(structures.back().id).second) item.At("id").Refuse("is given twice: " + structures.back().id);
+    if (!ids.insert(structures.back().id).second)
+      item.At("id").Refuse("is given twice: " + structures.back().id);
   }
   return structures;
 }
 
 CameraModel ReadCamera(const YamlReader& in) {
-  in.AllowKeys({"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion", "exposure_s", "exposure_ev",
-                "noise_levels", "blur_px", "vignetting", "jpeg_quality"});
+  in.AllowKeys({"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion", "exposure_s",
+                "exposure_ev", "noise_levels", "blur_px", "vignetting", "jpeg_quality"});
   CameraModel camera;
   Intrinsics& lens = camera.intrinsics;
   lens.width_px = static_cast<int>(in.At("width_px").Number({16, 8192}));
@@ -172,7 +173,8 @@ CameraModel ReadCamera(const YamlReader& in) {
   lens.cx_px = in.Number("cx_px", 0.5 * (lens.width_px - 1), {0.0, 8192.0});
   lens.cy_px = in.Number("cy_px", 0.5 * (lens.height_px - 1), {0.0, 8192.0});
   const auto distortion = in.Items("distortion");
-  if (!distortion.empty() && distortion.size() != 5) in.At("distortion").Refuse("must be [k1, k2, p1, p2, k3]");
+  if (!distortion.empty() && distortion.size() != 5)
+    in.At("distortion").Refuse("must be [k1, k2, p1, p2, k3]");
   for (std::size_t i = 0; i < distortion.size(); ++i) lens.distortion[i] = distortion[i].Number({-5.0, 5.0});
   camera.exposure_s = in.Number("exposure_s", camera.exposure_s, {0.0, 0.5});
   camera.exposure_ev = in.Number("exposure_ev", camera.exposure_ev, {-4.0, 4.0});
@@ -190,11 +192,13 @@ VehicleEnvelope ReadVehicle(const YamlReader& in) {
 }
 
 MissionPlan ReadMission(const YamlReader& in, const std::vector<Structure>& buildings) {
-  in.AllowKeys({"wanted", "reference_m_per_px", "reference_rotation_cw_deg", "area_center", "overview_altitude_m"});
+  in.AllowKeys(
+      {"wanted", "reference_m_per_px", "reference_rotation_cw_deg", "area_center", "overview_altitude_m"});
   MissionPlan mission;
   for (const YamlReader& id : in.At("wanted").Items()) {
     mission.wanted.push_back(id.Text());
-    const bool known = std::any_of(buildings.begin(), buildings.end(), [&](const Structure& b) { return b.id == id.Text(); });
+    const bool known = std::any_of(buildings.begin(), buildings.end(),
+                                   [&](const Structure& b) { return b.id == id.Text(); });
     if (!known) id.Refuse("there is no building '" + id.Text() + "'");
   }
   if (mission.wanted.empty()) in.At("wanted").Refuse("must not be empty");
@@ -234,15 +238,16 @@ void ReadWeather(const YamlReader& in, World& world) {
 }
 
 World ReadWorld(const YamlReader& in, const std::string& name, const std::filesystem::path& folder) {
-  in.AllowKeys({"title", "geodetic_origin", "home", "sun", "sky", "ground", "wind", "pose_noise", "camera", "vehicle",
-                "mission", "buildings", "obstacles", "scenery", "bushes"});
+  in.AllowKeys({"title", "geodetic_origin", "home", "sun", "sky", "ground", "wind", "pose_noise", "camera",
+                "vehicle", "mission", "buildings", "obstacles", "scenery", "bushes"});
   World world;
   world.name = name;
   world.title = in.Text("title", name);
   if (in.Has("geodetic_origin")) {
     const YamlReader origin = in.At("geodetic_origin");
     origin.AllowKeys({"latitude_deg", "longitude_deg", "altitude_amsl_m"});
-    world.origin = {origin.At("latitude_deg").Number({-89.0, 89.0}), origin.At("longitude_deg").Number({-180.0, 180.0}),
+    world.origin = {origin.At("latitude_deg").Number({-89.0, 89.0}),
+                    origin.At("longitude_deg").Number({-180.0, 180.0}),
                     origin.Number("altitude_amsl_m", 0.0, {-500.0, 9000.0})};
   }
   if (in.Has("home")) {
@@ -262,7 +267,8 @@ World ReadWorld(const YamlReader& in, const std::string& name, const std::filesy
   world.scenery = ReadStructures(in, "scenery", folder, ids);
   for (const YamlReader& bush : in.Items("bushes")) {
     bush.AllowKeys({"position", "radius"});
-    world.bushes.push_back({bush.At("position").Vector2({-kMaxReach_m, kMaxReach_m}), bush.At("radius").Number({0.02, 50})});
+    world.bushes.push_back(
+        {bush.At("position").Vector2({-kMaxReach_m, kMaxReach_m}), bush.At("radius").Number({0.02, 50})});
   }
   world.mission = ReadMission(in.At("mission"), world.buildings);
   return world;
@@ -270,7 +276,8 @@ World ReadWorld(const YamlReader& in, const std::string& name, const std::filesy
 
 }  // namespace
 
-Result<World> ParseWorld(const std::string& yaml, const std::string& name, const std::filesystem::path& folder) {
+Result<World> ParseWorld(const std::string& yaml, const std::string& name,
+                         const std::filesystem::path& folder) {
   try {
     return ReadWorld(YamlReader(YAML::Load(yaml), ""), name, folder);
   } catch (const YamlProblem& problem) {

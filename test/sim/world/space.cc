@@ -42,7 +42,8 @@ double DistanceToSegment(const Cylinder& cylinder, const Eigen::Vector3d& a, con
   return std::min({at_left, at_right, DistanceToPoint(cylinder, a), DistanceToPoint(cylinder, b)});
 }
 
-/// The point of the cylinder that is farthest along `direction`; the middle of the farthest points when there are many.
+/// The point of the cylinder that is farthest along `direction`; the middle of the farthest points when there
+/// are many.
 Eigen::Vector3d FarthestAlong(const Cylinder& cylinder, const Eigen::Vector3d& direction) {
   constexpr double kTiny = 1e-9;
   Eigen::Vector3d point = cylinder.center_m;
@@ -61,10 +62,11 @@ bool IsInside(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, const
 
 }  // namespace
 
-// The nearest point lies on a side of the triangle, or it lies inside. Then the cylinder either crosses the plane
-// there, and as no side crosses the cylinder any common point of plane and cylinder tells; or it stands beside the
-// plane, and its point that is nearest to the plane has its foot inside the triangle.
-double Distance(const Cylinder& cylinder, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+// The nearest point lies on a side of the triangle, or it lies inside. Then the cylinder either crosses the
+// plane there, and as no side crosses the cylinder any common point of plane and cylinder tells; or it stands
+// beside the plane, and its point that is nearest to the plane has its foot inside the triangle.
+double Distance(const Cylinder& cylinder, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                const Eigen::Vector3d& c) {
   const double at_sides = std::min({DistanceToSegment(cylinder, a, b), DistanceToSegment(cylinder, b, c),
                                     DistanceToSegment(cylinder, c, a)});
   const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
@@ -91,7 +93,7 @@ namespace {
 struct Search {
   const std::vector<Body>* bodies;
   Cylinder cylinder;
-  double reach_m;     ///< From the cylinder's centre to its farthest point.
+  double reach_m;  ///< From the cylinder's centre to its farthest point.
   double distance_m;
   int body = -1;
 };

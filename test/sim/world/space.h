@@ -18,8 +18,8 @@ struct Body {
   Mesh mesh_in_map;
 };
 
-/// All bodies of a world: buildings, obstacles, scenery, bushes (in this order); not the ground. Absent buildings are
-/// left out. Polygons are triangulated exactly (GEOS, constrained Delaunay).
+/// All bodies of a world: buildings, obstacles, scenery, bushes (in this order); not the ground. Absent
+/// buildings are left out. Polygons are triangulated exactly (GEOS, constrained Delaunay).
 std::vector<Body> BuildBodies(const World& world);
 
 /// The triangles of one structure, in the map, whether it is absent or not.
@@ -33,7 +33,8 @@ struct Cylinder {
 };
 
 /// Exact distance of the cylinder to a triangle; 0 when they touch or cross.
-double Distance(const Cylinder& cylinder, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+double Distance(const Cylinder& cylinder, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                const Eigen::Vector3d& c);
 
 /// Where things are: answers distance queries in microseconds, from any thread.
 class Space {
@@ -44,11 +45,13 @@ class Space {
   Space& operator=(const Space&) = delete;
 
   struct Nearest {
-    double distance_m = 0.0;  ///< To the nearest surface or the ground, at most `limit_m`; 0 when touching it.
-    std::string owner;        ///< Id of the structure, "bush", "ground", or "" when nothing is within `limit_m`.
+    double distance_m =
+        0.0;            ///< To the nearest surface or the ground, at most `limit_m`; 0 when touching it.
+    std::string owner;  ///< Id of the structure, "bush", "ground", or "" when nothing is within `limit_m`.
   };
 
-  /// Surfaces only: a cylinder that is wholly inside a solid wall is not seen to touch it. Sweep it in small steps.
+  /// Surfaces only: a cylinder that is wholly inside a solid wall is not seen to touch it. Sweep it in small
+  /// steps.
   Nearest DistanceTo(const Cylinder& cylinder, double limit_m = 5.0) const;
   /// The same without the ground.
   Nearest DistanceToBodies(const Cylinder& cylinder, double limit_m = 5.0) const;

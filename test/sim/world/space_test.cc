@@ -72,12 +72,14 @@ TEST(BuildMesh, LaysAProfileAsSeenAlongItsAxis) {
     low = low.cwiseMin(vertex);
     high = high.cwiseMax(vertex);
   }
-  EXPECT_TRUE(low.isApprox(Vector3d(1, 1, 0)) && high.isApprox(Vector3d(3, 6, 1))) << low.transpose() << " " << high.transpose();
+  EXPECT_TRUE(low.isApprox(Vector3d(1, 1, 0)) && high.isApprox(Vector3d(3, 6, 1)))
+      << low.transpose() << " " << high.transpose();
 }
 
 TEST(Union, JoinsTrianglesToPolygonsWithoutCollinearCorners) {
   auto triangles = Triangulate({{{0, 0}, {2, 0}, {2, 2}, {0, 2}}, {}});
-  for (const auto& triangle : Triangulate({{{2, 0.5}, {4, 0.5}, {4, 1.5}, {2, 1.5}}, {}})) triangles.push_back(triangle);
+  for (const auto& triangle : Triangulate({{{2, 0.5}, {4, 0.5}, {4, 1.5}, {2, 1.5}}, {}}))
+    triangles.push_back(triangle);
   const auto polygons = Union(triangles);
   ASSERT_THAT(polygons, SizeIs(1));
   EXPECT_THAT(polygons[0].outer, SizeIs(8));
@@ -105,8 +107,8 @@ TEST(Distance, OfACylinderToATriangleIsExact) {
   for (int i = 0; i < 60; ++i) {
     const Cylinder cylinder{0.5 * point(), 0.4, 0.3};
     Vector3d a = point(), b = point(), c = point();
-    if (i % 3 == 0) a.z() = b.z() = c.z();                                      // Level.
-    if (i % 3 == 1) c.head<2>() = (a.head<2>() + b.head<2>()) / 2;              // Plumb.
+    if (i % 3 == 0) a.z() = b.z() = c.z();                          // Level.
+    if (i % 3 == 1) c.head<2>() = (a.head<2>() + b.head<2>()) / 2;  // Plumb.
     EXPECT_NEAR(Distance(cylinder, a, b, c), SampledDistance(cylinder, a, b, c), 0.012) << i;
     EXPECT_LE(Distance(cylinder, a, b, c), SampledDistance(cylinder, a, b, c) + 1e-9) << i;
   }

@@ -21,14 +21,14 @@ enum class Pattern { kPlain, kMottled, kPanels, kBricks, kSlabs, kGrass };
 struct Finish {
   Eigen::Vector3d color_srgb = {0.5, 0.5, 0.5};  ///< 0 to 1.
   Pattern pattern = Pattern::kMottled;
-  double grain_m = 0.4;                           ///< Size of the pattern's features.
-  double contrast = 0.12;                         ///< 0: even; 1: as strong as it gets.
+  double grain_m = 0.4;    ///< Size of the pattern's features.
+  double contrast = 0.12;  ///< 0: even; 1: as strong as it gets.
 };
 
 /// A polygon moved along a straight line, in the frame of its structure.
 struct Prism {
-  Polygon section;       ///< Upright: (x, y). Lying: (right, up) as seen by who looks along `axis` from `at`.
-  double low_m = 0.0;    ///< Upright: z of the lower face. Lying: distance along `axis` from `at`.
+  Polygon section;     ///< Upright: (x, y). Lying: (right, up) as seen by who looks along `axis` from `at`.
+  double low_m = 0.0;  ///< Upright: z of the lower face. Lying: distance along `axis` from `at`.
   double high_m = 0.0;
   bool is_lying = false;
   Eigen::Vector2d axis = Eigen::Vector2d::UnitY();  ///< Lying: its horizontal direction, a unit vector.
@@ -66,14 +66,14 @@ struct Bush {
 };
 
 struct Sun {
-  double yaw_rad = 0.9;        ///< Towards the sun, counter-clockwise from east.
+  double yaw_rad = 0.9;  ///< Towards the sun, counter-clockwise from east.
   double elevation_rad = 0.8;
-  double strength = 1.0;       ///< 0: overcast.
+  double strength = 1.0;  ///< 0: overcast.
 };
 
 struct Sky {
-  double cloud_ratio = 0.3;    ///< 0 clear, 1 overcast.
-  double haze_m = 400.0;       ///< Distance at which things have faded to 37 %.
+  double cloud_ratio = 0.3;  ///< 0 clear, 1 overcast.
+  double haze_m = 400.0;     ///< Distance at which things have faded to 37 %.
 };
 
 struct Wind {
@@ -99,14 +99,16 @@ struct CameraModel {
 
 /// The wanted building or group, as the reference bitmap shows it.
 struct MissionPlan {
-  std::vector<std::string> wanted;     ///< Ids of buildings.
+  std::vector<std::string> wanted;  ///< Ids of buildings.
   double reference_m_per_px = 0.025;
-  double reference_rotation_cw_rad = 0.0;  ///< The reference, north up, has to be turned clockwise by this to lie like the buildings.
+  double reference_rotation_cw_rad =
+      0.0;  ///< The reference, north up, has to be turned clockwise by this to lie like the buildings.
   Eigen::Vector2d area_center_m = Eigen::Vector2d::Zero();  ///< Over which the overview is taken: home.
-  double overview_altitude_m = 9.0;    ///< From which the whole area is seen.
+  double overview_altitude_m = 9.0;                         ///< From which the whole area is seen.
 };
 
-/// Everything that is there, in the map frame: ENU metres, the origin is the vehicle's home on flat ground at z = 0.
+/// Everything that is there, in the map frame: ENU metres, the origin is the vehicle's home on flat ground at
+/// z = 0.
 struct World {
   std::string name;
   std::string title;
@@ -126,10 +128,12 @@ struct World {
   std::vector<Bush> bushes;
 };
 
-/// Reads a world from YAML (every key: test/sim/scenarios/README.md). An unknown key, a number that is not finite or
-/// out of range, a polygon that crosses itself, or a name that does not exist is an error that names file and line.
+/// Reads a world from YAML (every key: test/sim/scenarios/README.md). An unknown key, a number that is not
+/// finite or out of range, a polygon that crosses itself, or a name that does not exist is an error that
+/// names file and line.
 Result<World> LoadWorld(const std::filesystem::path& file);
-Result<World> ParseWorld(const std::string& yaml, const std::string& name, const std::filesystem::path& folder);
+Result<World> ParseWorld(const std::string& yaml, const std::string& name,
+                         const std::filesystem::path& folder);
 
 /// The world as YAML; ParseWorld gives an equal world back. Meshes stay references to their files.
 std::string FormatWorld(const World& world);

@@ -32,7 +32,8 @@ TEST(ParseWorld, ReadsAMinimalWorld) {
 }
 
 TEST(ParseWorld, NamesFileLineAndKeyOfAnUnknownKey) {
-  EXPECT_THAT(Problem(std::string(kHead) + kBox + "clouds: 3\n"), HasSubstr("test.yaml: line 6: the file: unknown key 'clouds'"));
+  EXPECT_THAT(Problem(std::string(kHead) + kBox + "clouds: 3\n"),
+              HasSubstr("test.yaml: line 6: the file: unknown key 'clouds'"));
 }
 
 TEST(ParseWorld, RefusesWhatCannotBe) {
@@ -48,8 +49,10 @@ TEST(ParseWorld, RefusesWhatCannotBe) {
               HasSubstr("sides cross"));
   EXPECT_THAT(Problem(head + "buildings: [{id: a, parts: [{box: {center: [0,0], size: [1,1]}, z: [1,1]}]}]"),
               HasSubstr("buildings[0].parts[0].z: the first number must be smaller"));
-  EXPECT_THAT(Problem(head + "buildings: [{id: a, color: mauve, parts: []}]"), HasSubstr("unknown colour 'mauve'"));
-  EXPECT_THAT(Problem(head + "buildings: [{id: a, parts: [{mesh: nowhere.obj}]}]"), HasSubstr("nowhere.obj: cannot be read"));
+  EXPECT_THAT(Problem(head + "buildings: [{id: a, color: mauve, parts: []}]"),
+              HasSubstr("unknown colour 'mauve'"));
+  EXPECT_THAT(Problem(head + "buildings: [{id: a, parts: [{mesh: nowhere.obj}]}]"),
+              HasSubstr("nowhere.obj: cannot be read"));
   EXPECT_THAT(Problem(head + kBox + "obstacles: [{id: a, parts: [{cylinder: {radius: 1}, z: [0, 1]}]}]"),
               HasSubstr("given twice"));
 }

@@ -22,7 +22,8 @@ void YamlReader::AllowKeys(std::initializer_list<const char*> keys) const {
   for (const auto& entry : node_) {
     const YamlReader item(entry.first, path_);
     const std::string key = item.Text();
-    if (std::find(seen.begin(), seen.end(), key) != seen.end()) item.Refuse("key '" + key + "' is given twice");
+    if (std::find(seen.begin(), seen.end(), key) != seen.end())
+      item.Refuse("key '" + key + "' is given twice");
     seen.push_back(key);
     if (std::any_of(keys.begin(), keys.end(), [&](const char* known) { return key == known; })) continue;
     std::string known_keys;
@@ -43,7 +44,8 @@ YamlReader YamlReader::At(const char* key) const {
 std::vector<YamlReader> YamlReader::Items() const {
   if (!node_.IsSequence()) Refuse("must be a list");
   std::vector<YamlReader> items;
-  for (std::size_t i = 0; i < node_.size(); ++i) items.emplace_back(node_[i], path_ + "[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < node_.size(); ++i)
+    items.emplace_back(node_[i], path_ + "[" + std::to_string(i) + "]");
   return items;
 }
 

@@ -26,13 +26,14 @@ class YamlReader {
  public:
   YamlReader(YAML::Node node, std::string path);
 
-  void AllowKeys(std::initializer_list<const char*> keys) const;  ///< A mapping with no other keys than these.
+  void AllowKeys(
+      std::initializer_list<const char*> keys) const;  ///< A mapping with no other keys than these.
   bool Has(const char* key) const;
   bool IsSequence() const;
   bool IsMap() const;
-  YamlReader At(const char* key) const;                           ///< Must be there.
-  std::vector<YamlReader> Items() const;                          ///< Of a sequence.
-  std::vector<YamlReader> Items(const char* key) const;           ///< Of a sequence that may be missing.
+  YamlReader At(const char* key) const;                  ///< Must be there.
+  std::vector<YamlReader> Items() const;                 ///< Of a sequence.
+  std::vector<YamlReader> Items(const char* key) const;  ///< Of a sequence that may be missing.
 
   double Number(Bounds bounds = {}) const;
   std::string Text() const;
