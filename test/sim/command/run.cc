@@ -99,6 +99,7 @@ class Session {
     PutThisThreadFirst();
     while (stop_requested == 0) Round();
     const std::lock_guard lock(mutex_);
+    track_ << flight_->TrackLine() << '\n';
     WriteTruth(true);
     TellContacts();
   }
