@@ -186,6 +186,63 @@ Ring TidyRing(Ring ring, double noise_m) {
   return ring;
 }
 
+/// Share of a region of the map at `height_m` that lies in the silhouette's blob.
+double ShareSeen(const Silhouette& silhouette, const Ring& region, double height_m) {
+  constexpr int kCells = 16;
+  Vector2d low = region.front();
+  Vector2d high = low;
+  for (const Vector2d& p : region) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  int inside = 0;
+  int seen = 0;
+  for (int cell = 0; cell < kCells * kCells; ++cell) {
+    const Vector2d share((cell % kCells + 0.5) / kCells, (cell / kCells + 0.5) / kCells);
+    const Vector2d p = low + (high - low).cwiseProduct(share);
+    if (!Contains(region, p)) continue;
+    ++inside;
+    const auto pixel = Project(silhouette.view, {p.x(), p.y(), height_m});
+    if (pixel && Contains(silhouette.outline.polygon_px, *pixel)) ++seen;
+  }
+  return inside > 0 ? static_cast<double>(seen) / inside : 0.0;
+}
+
+/// Ground that shows through an opening of a wall dents the silhouette as a notch of the building would. It is an
+/// opening when the wall goes on in one line behind the dent and the roof over the dent was seen whole.
+Ring CloseOpenings(Ring ring, const Silhouette& silhouette, double height_m, double noise_m) {
+  constexpr double kMinShareOfRoof = 0.97;
+  constexpr std::size_t kMaxSides = 8;
+  const Vector2d nadir = Nadir(silhouette.view);
+  const auto is_in_line = [&](const Vector2d& side, const Vector2d& along) {
+    const double tolerance = 0.04 + 1.5 * noise_m / std::max(side.norm(), 1e-12);
+    return side.dot(along) > 0.0 && std::abs(Cross(side.normalized(), along)) < std::min(tolerance, 0.2);
+  };
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    for (std::size_t sides = 3; sides <= kMaxSides && sides + 3 <= ring.size(); ++sides) {
+      const std::size_t n = ring.size();
+      const auto at = [&](std::size_t k) { return ring[(i + k) % n]; };
+      const Vector2d gap = at(sides) - at(0);
+      const Vector2d along = gap.normalized();
+      const bool faces_nadir = Cross(at(0) - nadir, gap) < 0.0;
+      if (!faces_nadir || !is_in_line(at(0) - at(n - 1), along) || !is_in_line(at(sides + 1) - at(sides), along)) {
+        continue;
+      }
+      Ring dent;
+      for (std::size_t k = 0; k <= sides; ++k) dent.push_back(at(k));
+      const bool is_dent = std::all_of(dent.begin() + 1, dent.end() - 1,
+                                       [&](const Vector2d& p) { return Cross(along, p - dent.front()) > 0.0; });
+      if (!is_dent || ShareSeen(silhouette, dent, height_m) < kMinShareOfRoof) continue;
+      Ring closed;
+      for (std::size_t k = sides + 1; k < n; ++k) closed.push_back(at(k));
+      ring = std::move(closed);
+      i = 0;
+      sides = 2;
+    }
+  }
+  return ring;
+}
+
 std::vector<Vector2d> SampleRing(const Ring& ring, int count) {
   std::vector<Vector2d> points;
   const double step = Perimeter(ring) / count;
@@ -370,6 +427,7 @@ Polygon Straighten(const Silhouette& silhouette, double height_m) {
     const Ring leaning = StraightenRing(DescribeSides(ring, nadir, noise_m), shrink, noise_m);
     Ring straight = TidyRing(leaning, noise_m);
     for (Vector2d& p : straight) p += nadir;
+    if (!is_hole) straight = CloseOpenings(std::move(straight), silhouette, height_m, noise_m);
     if (IsSimple(straight) && (SignedArea(straight) < 0.0) == is_hole) return straight;
     for (Vector2d& p : ring) p = nadir + shrink * (p - nadir);  // All of it taken for roof.
     return ring;

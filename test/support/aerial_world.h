@@ -16,6 +16,7 @@ namespace soffit::test {
 struct Block {
   Ring ring_in_map_m;  ///< Counter-clockwise.
   double height_m = 0.0;
+  double floor_m = 0.0;        ///< Of a block that hangs in the air.
 };
 
 inline Ring Turned(Ring ring, double angle_rad, const Eigen::Vector2d& to = Eigen::Vector2d::Zero()) {
@@ -62,8 +63,8 @@ inline Mask Photograph(const View& view, const std::vector<Block>& blocks) {
       const Eigen::Vector2d& b = block.ring_in_map_m[(i + 1) % n];
       roof.emplace_back(a.x(), a.y(), block.height_m);
       FillFace(mask.label, view,
-               {{a.x(), a.y(), 0},
-                {b.x(), b.y(), 0},
+               {{a.x(), a.y(), block.floor_m},
+                {b.x(), b.y(), block.floor_m},
                 {b.x(), b.y(), block.height_m},
                 {a.x(), a.y(), block.height_m}});
     }

@@ -47,6 +47,17 @@ TEST(TraceFootprints, StraightensAnLWithItsInnerCorner) {
   EXPECT_LT(RelativeDifference(shape, footprints[0].polygon_in_map_m.outer), 0.03);
 }
 
+/// Seen from the side, ground shows through the opening: the blob has a dent that the building has not.
+TEST(TraceFootprints, DoesNotTakeAnOpeningForANotch) {
+  const Block left{Turned(Box(1.2, 1.5), 0.0, {2.6, -1.4}), 1.4};
+  const Block right{Turned(Box(1.2, 1.5), 0.0, {2.6, 1.4}), 1.4};
+  const Ring roof = Turned(Box(1.2, 4.3), 0.0, {2.6, 0.0});
+  const auto footprints = TraceBlocks(LookDown({0, 0, 9}), 1, {left, right, {roof, 2.0, 1.4}});
+  ASSERT_THAT(footprints, SizeIs(1));
+  EXPECT_THAT(footprints[0].polygon_in_map_m.outer, SizeIs(4));
+  EXPECT_LT(RelativeDifference(roof, footprints[0].polygon_in_map_m.outer), 0.03);
+}
+
 TEST(TraceFootprints, DoesNotKnowTheHeightOfWhatLiesRightBeneath) {
   const auto footprints = TraceBlocks(LookDown({0, 0, 9}), 1, {{Box(3, 2), 2.0}});
   ASSERT_THAT(footprints, SizeIs(1));
