@@ -118,6 +118,15 @@ std::vector<Vector2d> GridOver(const Polygon& polygon) {
   return points;
 }
 
+/// How far a whole silhouette lies beside the footprint, as far as the noise of its pose explains that.
+Vector2d ShiftOfPose(const Silhouette& silhouette, const Polygon& polygon, double height_m) {
+  const double reach_m = 3.0 * std::hypot(silhouette.view.position_std_m,
+                                          CameraHeight(silhouette) * silhouette.view.orientation_std_rad);
+  if (reach_m <= 0.0 || silhouette.outline.is_cut) return Vector2d::Zero();
+  const Vector2d shift = Centroid(polygon) - Centroid(lean::Straighten(silhouette, height_m));
+  return shift * std::min(1.0, reach_m / std::max(1e-12, shift.norm()));
+}
+
 /// Share of what a silhouette covers on the ground that a building of this footprint and height would cover:
 /// a point is covered when some part of the plumb line on the footprint, or of the roof, appears in front of
 /// it.
@@ -126,6 +135,7 @@ double ShareExplained(const Silhouette& silhouette, const Polygon& polygon, doub
   const Polygon shadow = lean::Straighten(silhouette, 0.0);
   const Vector2d nadir = silhouette.view.map_from_camera.translation_m.head<2>();
   const double shrink = (CameraHeight(silhouette) - height_m) / CameraHeight(silhouette);
+  const Vector2d shift = ShiftOfPose(silhouette, polygon, height_m);
   int covered = 0;
   int explained = 0;
   for (const Vector2d& p : GridOver(shadow)) {
@@ -133,7 +143,7 @@ double ShareExplained(const Silhouette& silhouette, const Polygon& polygon, doub
     ++covered;
     for (int level = 0; level <= kLevels; ++level) {
       const double k = 1.0 + (shrink - 1.0) * level / kLevels;
-      if (Contains(polygon.outer, nadir + k * (p - nadir))) {
+      if (Contains(polygon.outer, nadir + k * (p - nadir) + shift)) {
         ++explained;
         break;
       }

@@ -20,6 +20,10 @@ double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 Vector2d Nadir(const View& view) { return view.map_from_camera.translation_m.head<2>(); }
 double CameraHeight(const View& view) { return view.map_from_camera.translation_m.z(); }
 
+double PositionStd(const Silhouette& s) {
+  return std::hypot(s.view.position_std_m, CameraHeight(s.view) * s.view.orientation_std_rad);
+}
+
 /// The ring on the ground, turned to be counter-clockwise (outer) or clockwise (hole). Empty when a corner's
 /// ray does not meet the ground.
 Ring OnGround(const View& view, const Ring& ring_px, bool is_hole) {
@@ -335,10 +339,6 @@ double CornerSine(const Ring& ring, std::size_t at) {
   return std::max(0.03, std::abs(Cross(before, after)));
 }
 
-double PositionStd(const Silhouette& s) {
-  return std::hypot(s.view.position_std_m, CameraHeight(s.view) * s.view.orientation_std_rad);
-}
-
 /// How far an outline at `height_m` may be off by its pixels and by the camera's height.
 double OutlineStd(const Silhouette& s, const Polygon& at_height, double height_m) {
   const double size_m = std::sqrt(std::max(1e-12, SignedArea(at_height.outer)));
@@ -494,8 +494,11 @@ std::optional<Estimate> HeightFromCorners(const Silhouette& silhouette, double m
     weight += 1.0 / (e.std * e.std);
     sum += e.value / (e.std * e.std);
   }
+  // A noisy pose moves the nadir and scales the heights.
   const double height_m = sum / weight;
-  const double pose_std_m = silhouette.view.position_std_m * height_m / camera_height_m;
+  const double reach_m = (Centroid(Polygon{on_ground, {}}) - nadir).norm();
+  const double pose_std_m = height_m * std::hypot(silhouette.view.position_std_m / camera_height_m,
+                                                  PositionStd(silhouette) / std::max(1e-9, reach_m));
   return Estimate{height_m, std::hypot(1.0 / std::sqrt(weight), pose_std_m)};
 }
 
