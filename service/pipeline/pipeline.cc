@@ -60,6 +60,20 @@ std::vector<SceneObject> MarkWanted(const std::vector<Footprint>& map, const std
   return objects;
 }
 
+/// Fits the best match once more, to the footprints as the models adjusted them.
+void RefineMatch(std::vector<SceneObject>& objects, Match& match, const Reference& reference, const MatchOptions& options) {
+  std::vector<TracedShape> shapes;
+  for (const std::size_t shape : match.shapes) shapes.push_back({objects[shape].footprint.polygon_in_map_m});
+  const std::vector<Match> found = FindMatches(shapes, reference, options);
+  if (found.empty() || found.front().shapes.size() != match.shapes.size()) return;
+  Match refined = found.front();
+  for (std::size_t& shape : refined.shapes) shape = match.shapes[shape];
+  refined.score = match.score;
+  refined.is_ambiguous = match.is_ambiguous;
+  match = refined;
+  for (const std::size_t shape : match.shapes) objects[shape].match = match;
+}
+
 std::string DescribeRecognition(const std::vector<Match>& matches) {
   if (matches.empty()) return "the wanted building is not among those that were seen";
   if (!matches.front().is_ambiguous) return "";
@@ -135,6 +149,9 @@ Understanding Understand(const std::vector<Observation>& observations, const Ref
       all.decisions.push_back(Undecided(id, "no model: " + solid.error().message, vehicle));
     }
   }
+
+  const bool is_found = std::any_of(objects.begin(), objects.end(), [](const auto& object) { return object.is_matched; });
+  if (is_found) RefineMatch(objects, all.matches.front(), reference, options.match);
 
   all.scene = BuildScene(revision, std::move(objects), std::move(solids), views.sights, options.scene);
   for (const SceneObject& object : all.scene.objects) {

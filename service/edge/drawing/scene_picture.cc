@@ -203,11 +203,11 @@ class ScenePicture {
     }
   }
 
+  /// A solid's surface passes through the voxel or close by, or all of the voxel lies inside.
   bool IsInSolid(const Eigen::Vector3d& center, double edge_m) const {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const double sign : {-1.0, 1.0}) {
-        if (solids_.IsBlocked(center, sign * Eigen::Vector3d::Unit(axis), edge_m)) return true;
-      }
+    for (int i = 0; i < 27; ++i) {
+      const Eigen::Vector3d direction(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+      if (i != 13 && solids_.IsBlocked(center, direction.normalized(), 1.1 * edge_m)) return true;
     }
     return IsInsideSolids(center);
   }
