@@ -14,7 +14,7 @@ constexpr std::size_t kMaxProblems = 32;
 constexpr double kSameDimension_m = 1e-6;
 constexpr double kSamePlace_m = 0.3;
 constexpr double kSameAngle_rad = 0.1;
-constexpr double kHigherOverview_ratio = 1.6;
+constexpr double kHigherOverview_ratio = 1.4;
 constexpr int kMaxOverviews = 2;
 constexpr double kCommandGrace_s = 60.0;
 
@@ -565,25 +565,33 @@ class Conductor {
     const Findings& findings = *m_.findings;
     if (BeginNextBuilding()) return;
     if (!m_.settled.empty()) return GoHomeUnflown();
+    const auto overviews = std::count_if(m_.viewed.begin(), m_.viewed.end(), [](const Viewpoint& view) {
+      return view.purpose == Purpose::kOverview;
+    });
+    if (overviews < kMaxOverviews) return LookFromHigher();
     if (findings.is_ambiguous) {
       return GoHome(MissionOutcome::kAmbiguous,
                     "the wanted building was found in several places that fit about as well");
     }
-    const bool is_any_cut =
-        std::any_of(findings.map.begin(), findings.map.end(), [](const Footprint& f) { return f.is_cut; });
-    const auto overviews = std::count_if(m_.viewed.begin(), m_.viewed.end(), [](const Viewpoint& view) {
-      return view.purpose == Purpose::kOverview;
-    });
-    if (is_any_cut && overviews < kMaxOverviews) return LookFromHigher();
     GoHome(MissionOutcome::kNoMatch,
            Say("the wanted building is not among the ", findings.map.size(), " that were seen"));
   }
 
+  /// Over the middle of all that was seen, and from higher: walls lean less there, nothing is cut off, and
+  /// heights follow from the two places.
   void LookFromHigher() {
-    Viewpoint view = OverviewOf(Radius_m());
+    Eigen::AlignedBox2d seen;
+    for (const Footprint& object : m_.findings->map) {
+      for (const Eigen::Vector2d& corner : object.polygon_in_map_m.outer) seen.extend(corner);
+    }
+    const Eigen::Vector2d center =
+        seen.isEmpty() ? m_.order.area_center_in_map_m : Eigen::Vector2d(seen.center());
+    const double radius_m = seen.isEmpty() ? Radius_m() : std::max(Radius_m(), seen.diagonal().norm() / 2.0);
+    Viewpoint view = PlanOverview(center, radius_m, m_.vehicle->camera, viewpoints_);
+    const double higher_m = OverviewOf(Radius_m()).position_in_map_m.z() * kHigherOverview_ratio;
     view.position_in_map_m.z() =
-        std::min(view.position_in_map_m.z() * kHigherOverview_ratio, viewpoints_.max_altitude_m);
-    view.reason = "from higher, as buildings were cut off";
+        std::min(std::max(view.position_in_map_m.z(), higher_m), viewpoints_.max_altitude_m);
+    view.reason = "again from higher, over the middle of what was seen";
     BeginStep(MissionStep::kOverview);
     PlanViews({view});
     Act();

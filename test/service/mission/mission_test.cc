@@ -266,17 +266,24 @@ TEST(Advance, EndsWhenTheBuildingIsNotThere) {
   flight.findings.wanted.clear();
   flight.Run();
   EXPECT_EQ(flight.status().outcome, MissionOutcome::kNoMatch);
-  EXPECT_EQ(flight.CountLooks(Purpose::kOverview), 1);
+  EXPECT_EQ(flight.CountLooks(Purpose::kOverview), 2);
   EXPECT_EQ(flight.sent.back().kind, CommandKind::kLand);
 }
 
-TEST(Advance, LooksFromHigherOnceWhenBuildingsWereCutOff) {
+TEST(Advance, FindsWithASecondOverviewWhatTheFirstDidNotShow) {
   Flight flight;
-  flight.findings.wanted.clear();
-  flight.findings.map[1].is_cut = true;
+  flight.look = [&](Findings& findings) {
+    findings.wanted.clear();
+    if (flight.CountLooks(Purpose::kOverview) > 1) findings.wanted = {1};
+  };
   flight.Run();
-  EXPECT_EQ(flight.status().outcome, MissionOutcome::kNoMatch);
-  EXPECT_EQ(flight.CountLooks(Purpose::kOverview), 2);
+  EXPECT_EQ(flight.status().outcome, MissionOutcome::kFlown) << flight.status().message;
+  std::vector<double> altitudes_m;
+  for (const FlightCommand& command : flight.sent) {
+    if (command.purpose == Purpose::kOverview) altitudes_m.push_back(command.path_in_map_m.back().z());
+  }
+  ASSERT_EQ(altitudes_m.size(), 2u);
+  EXPECT_GT(altitudes_m[1], altitudes_m[0]);
 }
 
 TEST(Advance, EndsWhenSeveralPlacesFit) {
