@@ -9,9 +9,9 @@ from mission import SCENARIOS, Mission, MissionError, Options
 
 
 def list_scenarios():
-    import yaml
     for path in sorted(SCENARIOS.glob("*.yaml")):
-        print(f"{path.stem:14} {yaml.safe_load(path.read_text()).get('title', '')}")
+        title = next((line for line in path.read_text().splitlines() if line.startswith("title:")), "")
+        print(f"{path.stem:14} {title.removeprefix('title:').strip()}")
 
 
 def parse_arguments():

@@ -5,7 +5,6 @@ Used by deploy/demo, by the end-to-end tests and by bench_missions. Everything t
 import contextlib
 import fcntl
 import json
-import math
 import os
 import shutil
 import signal
@@ -16,8 +15,6 @@ import tempfile
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
-
-import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIOS = ROOT / "test" / "sim" / "scenarios"
@@ -169,7 +166,7 @@ class Mission:
         for folder in ("config", "log", "truth", "data"):
             shutil.rmtree(self.out / folder, ignore_errors=True)
             (self.out / folder).mkdir(parents=True)
-        self.setting = yaml.safe_load(self.world.read_text())
+        self.setting = json.loads(self.call(self.tool("soffit-sim"), "describe", self.world))
         self.reference = self.out / "reference.png"
         self.call(self.tool("soffit-sim"), "reference", self.world, "--out", self.reference)
         self.expected = json.loads(self.call(self.tool("soffit-sim"), "truth", self.world))
@@ -194,27 +191,21 @@ class Mission:
 
     def write_config(self, name, config):
         path = self.out / "config" / f"{name}.yaml"
-        path.write_text(yaml.safe_dump(config, sort_keys=False))
+        path.write_text(json.dumps(config, indent=1) + "\n")  # JSON is YAML
         return path
 
     def service_config(self, radio, local):
-        altitude_m = self.setting["mission"].get("overview_altitude_m")
-        viewpoint = {"overview_altitude_m": altitude_m} if altitude_m else {}
         return {"radio": {"domain_id": radio}, "local": {"domain_id": local}, "data_folder": str(self.out / "data"),
-                "pipeline": {"viewpoint": viewpoint}}
+                "pipeline": {"viewpoint": {"overview_altitude_m": self.setting["mission"]["overview_altitude_m"]}}}
 
     def agent_config(self, radio, link, camera_port):
-        noise = self.setting.get("pose_noise", {})
-        camera = {key: value for key, value in self.setting["camera"].items() if key in (
-            "width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion")}
-        camera.setdefault("fy_px", camera["fx_px"])
+        camera = self.setting["camera"]
         source = f"souphttpsrc location=http://127.0.0.1:{camera_port}/%s.jpg"
         return {
             "vehicle": {"id": VEHICLE_ID, "name": "demo", **self.setting["vehicle"]},
             "mavlink": link,
             "radio": {"domain_id": radio},
-            "autopilot": {"position_std_m": noise.get("position_std_m", 0.0),
-                          "orientation_std_rad": math.radians(noise.get("orientation_std_deg", 0.0))},
+            "autopilot": self.setting["pose_noise"],
             "cameras": {"forward": {"pipeline": source % "forward", **camera},
                         "down": {"pipeline": source % "down", "mount": {"pitch_deg": -90.0}, **camera}},
         }
@@ -223,7 +214,7 @@ class Mission:
         """Starts the mission over DDS, as an operator does, and follows it to its end."""
         command = [self.tool("soffit"), "mission", "start", "--config", self.out / "config" / "soffitd.yaml",
                    "--vehicle", VEHICLE_ID, "--reference", self.reference, "--watch",
-                   "--area", *self.setting["mission"].get("area_center", [0.0, 0.0])]
+                   "--area", *self.setting["mission"]["area_center"]]
         log = open(self.out / "log" / "mission.log", "w")
         client = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         until = time.monotonic() + self.options.timeout_s
