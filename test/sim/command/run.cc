@@ -31,6 +31,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kRound{5};
 constexpr milliseconds kPosePatience{500};
+constexpr std::int64_t kSilence_ns = 5'000'000'000;
 constexpr std::int64_t kTruthPeriod_ns = 1'000'000'000;
 constexpr std::int64_t kTrackPeriod_ns = 50'000'000;
 
@@ -116,6 +117,7 @@ class Session {
     const std::lock_guard lock(mutex_);
     const std::int64_t now_ns = UtcNs();
     const bool is_link_off = now_ns < link_off_until_ns_;
+    WatchLink(!bytes.empty(), now_ns);
     for (const mavlink::Frame& frame : parser_.Feed(bytes)) {
       if (!is_link_off) flight_->Receive(frame, now_ns);
     }
@@ -132,6 +134,14 @@ class Session {
       WriteTruth(false);
       TellContacts();
     }
+  }
+
+  /// An autopilot that flies elsewhere has to be heard.
+  void WatchLink(bool has_heard, std::int64_t now_ns) {
+    if (has_heard || options_.autopilot != "none") silent_since_ns_ = now_ns;
+    if (now_ns - silent_since_ns_ < kSilence_ns) return;
+    spdlog::warn("nothing is heard on {}: is the autopilot running, and is this its link?", link_->Url());
+    silent_since_ns_ = now_ns;
   }
 
   nlohmann::json TruthJson(bool is_finished) const {
@@ -202,6 +212,7 @@ class Session {
   CameraServer cameras_;
   std::ofstream track_;
   std::int64_t link_off_until_ns_ = 0;
+  std::int64_t silent_since_ns_ = UtcNs();
   std::int64_t next_track_ns_ = 0;
   std::int64_t next_truth_ns_ = 0;
   std::size_t told_contacts_ = 0;
