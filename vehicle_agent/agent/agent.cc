@@ -58,7 +58,7 @@ Agent::Agent(AgentIdentity identity, AgentOptions options, GuardOptions guard, I
       options_(options),
       guard_(std::move(guard)),
       began_(now),
-      last_tick_(now),
+      last_beat_(now),
       service_heard_(now) {}
 
 AgentOutputs Agent::Step(const AgentEvent& event, Instant now) {
@@ -305,9 +305,9 @@ void Agent::SetPlan(std::deque<Stage> plan) {
 
 // ---- What is done ----
 
-void Agent::Handle(const Tick&, Instant now) {
-  const double dt_s = std::clamp(SecondsBetween(last_tick_, now), 0.0, kMaxStep_s);
-  last_tick_ = now;
+void Agent::Handle(const Beat&, Instant now) {
+  const double dt_s = std::clamp(SecondsBetween(last_beat_, now), 0.0, kMaxStep_s);
+  last_beat_ = now;
   if (GivesWayToRival(now)) {
     command_.reset();
     SetPlan({});

@@ -114,10 +114,11 @@ struct RivalHeard {
   std::string name;
 };
 
-struct Tick {};
+/// Time passes; said 20 times a second or more often.
+struct Beat {};
 
 using AgentEvent =
-    std::variant<Tick, Telemetry, FlightCommand, ServiceHeartbeat, PictureOutcome, CameraHealth, RivalHeard>;
+    std::variant<Beat, Telemetry, FlightCommand, ServiceHeartbeat, PictureOutcome, CameraHealth, RivalHeard>;
 
 struct ExposureRequest {
   std::uint64_t request_id = 0;
@@ -198,7 +199,7 @@ class Agent {
     std::string problem;  ///< Empty: it did what it should.
   };
 
-  void Handle(const Tick&, Instant now);
+  void Handle(const Beat&, Instant now);
   void Handle(const Telemetry& telemetry, Instant now);
   void Handle(const FlightCommand& command, Instant now);
   void Handle(const ServiceHeartbeat& heartbeat, Instant now);
@@ -247,7 +248,7 @@ class Agent {
   Telemetry telemetry_;
   CameraHealth cameras_;
   Instant began_;
-  Instant last_tick_;
+  Instant last_beat_;
   Instant service_heard_;
   Instant position_seen_;
   std::optional<RivalHeard> rival_;

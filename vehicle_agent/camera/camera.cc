@@ -108,7 +108,7 @@ Error DescribeFailure(const std::string& error, const CameraOptions& options) {
 }
 
 /// The pipeline runs to its end for each picture: an HTTP snapshot, a file, a still camera.
-class SnapshotCamera : public Camera {
+class SnapshotCamera : public CameraDevice {
  public:
   SnapshotCamera(std::unique_ptr<Pipeline> pipeline, const CameraOptions& options)
       : pipeline_(std::move(pipeline)), options_(options) {}
@@ -136,7 +136,7 @@ class SnapshotCamera : public Camera {
 };
 
 /// The pipeline runs all the time, and the first buffer after the call is the picture.
-class StreamCamera : public Camera {
+class StreamCamera : public CameraDevice {
  public:
   StreamCamera(std::unique_ptr<Pipeline> pipeline, const CameraOptions& options)
       : pipeline_(std::move(pipeline)), options_(options) {
@@ -167,7 +167,7 @@ class StreamCamera : public Camera {
   CameraOptions options_;
 };
 
-class FolderCamera : public Camera {
+class FolderCamera : public CameraDevice {
  public:
   FolderCamera(std::vector<std::filesystem::path> files, const CameraOptions& options)
       : files_(std::move(files)), options_(options) {}
@@ -188,7 +188,7 @@ class FolderCamera : public Camera {
   std::size_t next_ = 0;
 };
 
-Result<std::unique_ptr<Camera>> OpenFolder(const CameraOptions& options) {
+Result<std::unique_ptr<CameraDevice>> OpenFolder(const CameraOptions& options) {
   std::vector<std::filesystem::path> files;
   std::error_code problem;
   for (const auto& entry : std::filesystem::directory_iterator(options.folder, problem)) {
@@ -198,7 +198,7 @@ Result<std::unique_ptr<Camera>> OpenFolder(const CameraOptions& options) {
   if (problem) return Unavailable("folder '" + options.folder + "': " + problem.message());
   if (files.empty()) return Unavailable("folder '" + options.folder + "': there is no JPEG picture in it");
   std::sort(files.begin(), files.end());
-  return std::unique_ptr<Camera>(std::make_unique<FolderCamera>(std::move(files), options));
+  return std::unique_ptr<CameraDevice>(std::make_unique<FolderCamera>(std::move(files), options));
 }
 
 }  // namespace
@@ -231,14 +231,16 @@ Result<Picture> MakePicture(std::vector<std::uint8_t> bytes, std::int64_t arriva
   return Picture{std::move(bytes), exposure_utc_ns};
 }
 
-Result<std::unique_ptr<Camera>> OpenCamera(const CameraOptions& options) {
+Result<std::unique_ptr<CameraDevice>> OpenCamera(const CameraOptions& options) {
   if (!options.folder.empty()) return OpenFolder(options);
   Result<std::unique_ptr<Pipeline>> pipeline = Pipeline::Make(options.pipeline, options.is_stream);
   if (!pipeline.ok()) return pipeline.error();
   if (options.is_stream) {
-    return std::unique_ptr<Camera>(std::make_unique<StreamCamera>(std::move(pipeline).value(), options));
+    return std::unique_ptr<CameraDevice>(
+        std::make_unique<StreamCamera>(std::move(pipeline).value(), options));
   }
-  return std::unique_ptr<Camera>(std::make_unique<SnapshotCamera>(std::move(pipeline).value(), options));
+  return std::unique_ptr<CameraDevice>(
+      std::make_unique<SnapshotCamera>(std::move(pipeline).value(), options));
 }
 
 }  // namespace soffit

@@ -66,9 +66,9 @@ struct Picture {
 };
 
 /// Takes pictures. For one thread.
-class Camera {
+class CameraDevice {
  public:
-  virtual ~Camera() = default;
+  virtual ~CameraDevice() = default;
 
   /// A picture that was exposed after the call, waiting for it for at most the configured time. The error is
   /// for people, and the next call may well succeed.
@@ -77,7 +77,7 @@ class Camera {
 
 /// An error when the pipeline cannot be parsed or the folder cannot be read. Whether the camera answers is
 /// not tried.
-Result<std::unique_ptr<Camera>> OpenCamera(const CameraOptions& options);
+Result<std::unique_ptr<CameraDevice>> OpenCamera(const CameraOptions& options);
 
 /// A picture of the bytes: checked to be whole and of the camera's size, stamped by EXIF or else by arrival
 /// and latency.

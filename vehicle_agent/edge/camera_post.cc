@@ -33,7 +33,7 @@ void CameraPost::Ask(const ExposureRequest& request) {
 
 std::string CameraPost::Open() {
   if (camera_) return {};
-  Result<std::unique_ptr<Camera>> opened = OpenCamera(options_);
+  Result<std::unique_ptr<CameraDevice>> opened = OpenCamera(options_);
   if (!opened.ok()) return opened.error().message;
   camera_ = std::move(opened).value();
   return {};

@@ -31,7 +31,7 @@ class CameraPost {
   CameraId id_;
   CameraOptions options_;
   Mailbox& mailbox_;
-  std::unique_ptr<Camera> camera_;
+  std::unique_ptr<CameraDevice> camera_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<ExposureRequest> request_;

@@ -56,7 +56,7 @@ bool CheckAutopilot(const AgentConfig& config, double timeout_s, const std::atom
 
 bool CheckCamera(CameraId id, const CameraOptions& options) {
   const std::string name = std::string(ToString(id)) + " camera";
-  Result<std::unique_ptr<Camera>> camera = OpenCamera(options);
+  Result<std::unique_ptr<CameraDevice>> camera = OpenCamera(options);
   if (!camera.ok()) {
     Print(false, name, camera.error().message);
     return false;

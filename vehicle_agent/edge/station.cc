@@ -81,7 +81,7 @@ void Station::Run(const std::atomic<bool>& stop) {
 
 void Station::ExchangeWithAutopilot(Instant now) {
   Tell(autopilot_.Report(now), now);
-  Tell(Tick{}, now);
+  Tell(Beat{}, now);
   for (const auto& bytes : autopilot_.Pursue(agent_.intent(), now)) link_->Send(bytes);
   for (const std::string& note : autopilot_.TakeNotes()) spdlog::info("{}", note);
 }

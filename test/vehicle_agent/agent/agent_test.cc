@@ -51,7 +51,7 @@ class Flight {
       vehicle.telemetry().position_in_map_m += gust_m;
       Say(vehicle.telemetry());
       if (service_lives) Say(ServiceHeartbeat{3});
-      Say(Tick{});
+      Say(Beat{});
       highest_m = std::max(highest_m, position().z());
     }
   }
@@ -382,7 +382,7 @@ TEST(Agent, FailsTheTakeoffWithTheAutopilotsReason) {
   flight.Say(flight.Make(CommandKind::kTakeOff, {{0.0, 0.0, 3.0}}));
   flight.vehicle.telemetry().intent_problem = "the autopilot does not arm: Arm: Compass not calibrated";
   flight.Say(flight.vehicle.telemetry());
-  flight.Say(Tick{});
+  flight.Say(Beat{});
   EXPECT_EQ(flight.LastStatus(), AckStatus::kFailed);
   EXPECT_THAT(flight.LastReason(), HasSubstr("Compass not calibrated"));
   EXPECT_EQ(flight.agent.intent().kind, Intent::Kind::kNone);

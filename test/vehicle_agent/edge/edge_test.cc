@@ -105,8 +105,8 @@ TEST(SoffitAgent, RefusesAMissingConfiguration) {
 
 TEST(SoffitAgent, ChecksAVehicleThatIsNotThereInPlainWords) {
   const Finished run = RunAgent("--check --timeout 0.5 --config " +
-                           WriteConfig("mavlink: udpin:127.0.0.1:0\n"
-                                       "cameras: {down: {pipeline: filesrc location=/nowhere.jpg}}\n"));
+                                WriteConfig("mavlink: udpin:127.0.0.1:0\n"
+                                            "cameras: {down: {pipeline: filesrc location=/nowhere.jpg}}\n"));
   EXPECT_NE(run.code, 0);
   EXPECT_THAT(run.output, HasSubstr("PROBLEM autopilot        no autopilot was heard"));
   EXPECT_THAT(run.output, HasSubstr("PROBLEM down camera"));
