@@ -25,6 +25,8 @@ constexpr std::size_t kMaxRotations = 8;
 constexpr double kSameRotation_rad = 0.12;
 constexpr double kTolerance = 0.015;  ///< Misfit of shapes without roughness that may still be the same.
 constexpr double kTolerancePerRoughness = 2.2;
+constexpr double kPositionTolerance = 0.04;  ///< Of the side of a shape, between the shapes of a group.
+constexpr double kTolerancePerPositionStd = 2.0;
 constexpr double kScoreAtTolerance = 0.85;
 constexpr double kMaxAnchorMisfitRatio = 4.0;
 constexpr double kMaxGlanceMisfitRatio = 5.0;  ///< Of a rough fit that could still become a match.
@@ -36,7 +38,8 @@ using Profile = std::array<double, kSectors>;
 
 struct Shape {
   const Polygon* polygon = nullptr;
-  double roughness = 0.0;  ///< Over `side`.
+  double roughness = 0.0;     ///< Over `side`.
+  double position_std = 0.0;  ///< Over `side`.
   Vector2d centroid = Vector2d::Zero();
   double side = 0.0;       ///< Square root of the area.
   double perimeter = 0.0;  ///< Over `side`, with holes.
@@ -73,6 +76,7 @@ Shape Describe(const TracedShape& traced) {
   const double area = Area(polygon);
   shape.side = std::sqrt(area);
   shape.roughness = traced.roughness / shape.side;
+  shape.position_std = traced.position_std / shape.side;
   const auto add = [&](const Ring& ring) {
     AddToProfile(ring, shape.centroid, area, shape.profile);
     shape.perimeter += Perimeter(ring) / shape.side;
@@ -238,7 +242,7 @@ class Matcher {
     pose.similarity = RefineSimilarity(pairs, similarity);
     pose.misfit_ratio = 0.0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      pose.misfit_ratio = std::max(pose.misfit_ratio, MisfitRatio(i, partners[i], pose.similarity));
+      pose.misfit_ratio = std::max(pose.misfit_ratio, MemberMisfitRatio(i, partners[i], pose.similarity));
       pose.shapes.push_back(index_[partners[i]]);
     }
     return pose;
@@ -269,6 +273,17 @@ class Matcher {
     const double roughness = std::hypot(reference_[i].roughness, map_[j].roughness);
     return Misfit(Pair(i, j), similarity, effort) /
            std::hypot(kTolerance, kTolerancePerRoughness * roughness);
+  }
+
+  /// Of one shape of a group: its own misfit in the place where it lies, and how far beside the common one
+  /// that is.
+  double MemberMisfitRatio(std::size_t i, std::size_t j, Similarity similarity) const {
+    const Vector2d offset = map_[j].centroid - similarity * reference_[i].centroid;
+    similarity.translation += offset;
+    const double position_std = std::hypot(reference_[i].position_std, map_[j].position_std);
+    const double allowed =
+        map_[j].side * std::hypot(kPositionTolerance, kTolerancePerPositionStd * position_std);
+    return std::max(MisfitRatio(i, j, similarity), offset.norm() / allowed);
   }
 
   ShapePair Pair(std::size_t i, std::size_t j) const { return {reference_[i].polygon, map_[j].polygon}; }

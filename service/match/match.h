@@ -10,10 +10,11 @@
 
 namespace soffit {
 
-/// A shape, and how roughly its outline was drawn: what differs by no more may be the same.
+/// A shape, and how well it is known: what differs by no more may be the same.
 struct TracedShape {
-  Polygon polygon;         ///< y-up.
-  double roughness = 0.0;  ///< Standard deviation of the outline, in the polygon's unit.
+  Polygon polygon;            ///< y-up.
+  double roughness = 0.0;     ///< Standard deviation of the outline, in the polygon's unit.
+  double position_std = 0.0;  ///< Of its place among the other shapes, in the polygon's unit.
 };
 
 /// The wanted building or group: shapes in a y-up frame, unit reference pixel (x right, y up = -row).

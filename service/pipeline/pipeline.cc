@@ -39,7 +39,9 @@ std::vector<Match> Recognize(const std::vector<Footprint>& map, const Reference&
   for (std::size_t i = 0; i < map.size(); ++i) {
     if (map[i].is_cut) continue;
     whole.push_back(i);
-    shapes.push_back({map[i].polygon_in_map_m});
+    const std::vector<double>& stds = map[i].corner_std_m;
+    const double position_std_m = stds.empty() ? 0.0 : *std::max_element(stds.begin(), stds.end());
+    shapes.push_back({map[i].polygon_in_map_m, 0.0, position_std_m});
   }
   std::vector<Match> matches = FindMatches(shapes, reference, options);
   for (Match& match : matches) {

@@ -135,6 +135,16 @@ TEST(FindMatches, FindsAGroupAmongIdenticalBoxes) {
   EXPECT_FALSE(matches[0].is_ambiguous);
 }
 
+TEST(FindMatches, AllowsForThePositionsOfAGroupAsWellAsTheyAreKnown) {
+  const std::vector<Polygon> group = {Shape(kL), Laid(1, 0.5, 70, 10) * Shape(kT),
+                                      Laid(1, 1.3, 20, 90) * Shape(kBox)};
+  std::vector<TracedShape> map = Drawn(group);
+  for (Eigen::Vector2d& p : map[1].polygon.outer) p += Eigen::Vector2d(4.0, -3.0);
+  EXPECT_THAT(FindMatches(map, {Drawn(group)}, {}), IsEmpty());
+  for (TracedShape& shape : map) shape.position_std = 4.0;
+  EXPECT_THAT(FindMatches(map, {Drawn(group)}, {}), SizeIs(1));
+}
+
 TEST(FindMatches, FindsNothingWhereNothingIs) {
   EXPECT_THAT(Find({}, {Shape(kL)}), IsEmpty());
   EXPECT_THAT(Find({Shape(kT), Shape(kBox)}, {Shape(kL)}), IsEmpty());
