@@ -1,3 +1,4 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -57,6 +58,7 @@ int Run(const Arguments& arguments) {
     std::cout << DescribeOptions(options.value());
     return 0;
   }
+  spdlog::set_default_logger(spdlog::stderr_color_mt("soffitd"));
   const sigset_t signals = BlockStopSignals();
   const auto service = LiveService::Start(options.value(), StagesOf(options.value().pipeline));
   if (!service.ok()) return Fail(service.error().message);
