@@ -9,11 +9,11 @@ from pathlib import Path
 from mission import Mission, MissionError, Options, Outcome
 
 
-def fly(seed, out):
+def fly(seed, out, bin_dir):
     folder = out / f"seed-{seed}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    options = Options(seed=seed, verbose=False)
+    options = Options(bin_dir=bin_dir, seed=seed, verbose=False)
     try:
         world = folder / "world.yaml"
         mission = Mission(world, folder, options)
@@ -34,13 +34,14 @@ def main():
     parser.add_argument("--worlds", type=int, default=50)
     parser.add_argument("--first-seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2, help="missions at the same time")
+    parser.add_argument("--bin", type=Path, default=Options.bin_dir, help="folder of the programs")
     parser.add_argument("--out", type=Path, default=Path("soffit-bench"))
     arguments = parser.parse_args()
     seeds = range(arguments.first_seed, arguments.first_seed + arguments.worlds)
     print(f"{'seed':>5} {'':4} {'expected':10} {'ended':18} {'contacts':>8} {'least m':>7} {'time s':>6}  why", flush=True)
     outcomes = []
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        for seed, outcome in zip(seeds, pool.map(lambda s: fly(s, arguments.out.resolve()), seeds)):
+        for seed, outcome in zip(seeds, pool.map(lambda s: fly(s, arguments.out.resolve(), arguments.bin), seeds)):
             print(row(seed, outcome), flush=True)
             outcomes.append(outcome)
     right, contacts = sum(o.ok for o in outcomes), sum(o.contacts > 0 for o in outcomes)

@@ -85,27 +85,23 @@ class Process:
     """A program with its log; ended by its process id."""
 
     def __init__(self, name, command, log):
-        self.name, self.log = name, log
+        self.name, self.log = name, Path(log)
         self.peak_mib = 0.0
-        self.child = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=open(log, "w"),
-                                      stdin=subprocess.DEVNULL)
+        with open(log, "w") as output:
+            self.child = subprocess.Popen([str(c) for c in command], stdout=output, stderr=output, stdin=subprocess.DEVNULL)
 
     def read_json_line(self, timeout_s):
         """The line of JSON that the program prints when it is ready."""
-        os.set_blocking(self.child.stdout.fileno(), False)
-        until, text = time.monotonic() + timeout_s, ""
-        while time.monotonic() < until:
-            text += (self.child.stdout.read() or b"").decode(errors="replace")
-            for line in text.splitlines():
-                if line.startswith("{"):
+        until = time.monotonic() + timeout_s
+        while time.monotonic() < until and self.alive():
+            for line in self.log.read_text().splitlines(keepends=True):
+                if line.startswith("{") and line.endswith("\n"):
                     return json.loads(line)
-            if self.child.poll() is not None:
-                break
-            time.sleep(0.02)
+            time.sleep(0.05)
         raise MissionError(f"{self.name} did not get ready: {self.last_words()}")
 
     def last_words(self):
-        lines = Path(self.log).read_text(errors="replace").strip().splitlines()
+        lines = self.log.read_text(errors="replace").strip().splitlines()
         return lines[-1] if lines else f"it said nothing, see {self.log}"
 
     def alive(self):
@@ -215,10 +211,13 @@ class Mission:
         command = [self.tool("soffit"), "mission", "start", "--config", self.out / "config" / "soffitd.yaml",
                    "--vehicle", VEHICLE_ID, "--reference", self.reference, "--watch",
                    "--area", *self.setting["mission"]["area_center"]]
-        log = open(self.out / "log" / "mission.log", "w")
+        with open(self.out / "log" / "mission.log", "w") as log:
+            self.follow(command, log)
+
+    def follow(self, command, log):
         client = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        until = time.monotonic() + self.options.timeout_s
         os.set_blocking(client.stdout.fileno(), False)
+        until = time.monotonic() + self.options.timeout_s
         while client.poll() is None:
             self.pass_on(client, log)
             dead = [p for p in self.processes if not p.alive()]
@@ -229,11 +228,11 @@ class Mission:
                                    f"the mission did not end within {self.options.timeout_s:.0f} s, see {self.out}/log")
             time.sleep(0.05)
         self.pass_on(client, log)
+        client.stdout.close()
 
     def pass_on(self, client, log):
         text = (client.stdout.read() or b"").decode(errors="replace")
         log.write(text)
-        log.flush()
         if self.options.verbose and text:
             sys.stdout.write(text)
             sys.stdout.flush()
