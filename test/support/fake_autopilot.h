@@ -190,6 +190,13 @@ class FakeAutopilot {
       m.q1 = static_cast<float>(std::cos(0.5 * yaw_ned_rad));
       m.q4 = static_cast<float>(std::sin(0.5 * yaw_ned_rad));
       Say(m);
+    } else if (id == GimbalDeviceAttitudeStatus::kId) {
+      const double pitch_rad = gimbal_aims.empty() ? 0.0 : static_cast<double>(gimbal_aims.back().pitch);
+      GimbalDeviceAttitudeStatus m;
+      m.time_boot_ms = boot_ms_;
+      m.q = {static_cast<float>(std::cos(0.5 * pitch_rad)), 0.0F,
+             static_cast<float>(std::sin(0.5 * pitch_rad)), 0.0F};
+      Say(m);
     } else if (id == SysStatus::kId) {
       SysStatus m;
       m.battery_remaining = 77;

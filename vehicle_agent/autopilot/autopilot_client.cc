@@ -35,7 +35,7 @@ struct WantedMessage {
   double rate_hz;
 };
 
-std::vector<WantedMessage> ListWantedMessages(Dialect dialect, double pose_rate_hz) {
+std::vector<WantedMessage> ListWantedMessages(Dialect dialect, bool has_gimbal, double pose_rate_hz) {
   std::vector<WantedMessage> wanted = {
       {LocalPositionNed::kId, pose_rate_hz},
       {AttitudeQuaternion::kId, pose_rate_hz},
@@ -46,6 +46,7 @@ std::vector<WantedMessage> ListWantedMessages(Dialect dialect, double pose_rate_
       {GpsGlobalOrigin::kId, 0.0},
   };
   wanted.push_back({dialect == Dialect::kPx4 ? EstimatorStatus::kId : EkfStatusReport::kId, 2.0});
+  if (has_gimbal) wanted.push_back({GimbalDeviceAttitudeStatus::kId, pose_rate_hz});
   return wanted;
 }
 
@@ -92,8 +93,9 @@ GeodeticOrigin MakeOrigin(std::int32_t lat_e7, std::int32_t lon_e7, std::int32_t
 
 }  // namespace
 
-AutopilotClient::AutopilotClient(const AutopilotOptions& options)
+AutopilotClient::AutopilotClient(const AutopilotOptions& options, bool has_gimbal)
     : options_(options),
+      has_gimbal_(has_gimbal),
       encoder_(static_cast<std::uint8_t>(options.system_id == 0 ? 1 : options.system_id),
                static_cast<std::uint8_t>(options.component_id)) {}
 
@@ -396,7 +398,7 @@ void AutopilotClient::KeepContact(Instant now) {
 }
 
 void AutopilotClient::AskForMessages(Instant now) {
-  for (const WantedMessage& wanted : ListWantedMessages(dialect_, options_.pose_rate_hz)) {
+  for (const WantedMessage& wanted : ListWantedMessages(dialect_, has_gimbal_, options_.pose_rate_hz)) {
     const bool is_single = wanted.rate_hz == 0.0;
     const double life_s =
         is_single ? std::numeric_limits<double>::infinity() : std::max(1.5, 3.0 / wanted.rate_hz);

@@ -65,7 +65,8 @@ struct AutopilotOptions {
 /// bytes.
 class AutopilotClient {
  public:
-  explicit AutopilotClient(const AutopilotOptions& options);
+  /// @param has_gimbal  Whether a gimbal is to be asked for its attitude.
+  explicit AutopilotClient(const AutopilotOptions& options, bool has_gimbal = false);
 
   /// Messages of other systems, and of components other than autopilot and gimbal, are left alone.
   void Receive(const mavlink::Frame& frame, Instant now);
@@ -121,6 +122,7 @@ class AutopilotClient {
   void Note(std::string text) { notes_.push_back(std::move(text)); }
 
   AutopilotOptions options_;
+  bool has_gimbal_;
   mavlink::Encoder encoder_;
   std::vector<std::vector<std::uint8_t>> outbox_;
   std::vector<std::string> notes_;

@@ -39,7 +39,7 @@ Station::Station(const AgentConfig& config, std::uint64_t epoch, std::unique_ptr
                  Participant radio)
     : config_(config),
       link_(std::move(link)),
-      autopilot_(config.autopilot),
+      autopilot_(config.autopilot, IsPresent(config.cameras.gimbal)),
       agent_(MakeIdentity(config, epoch), config.agent, config.guard, ReadClocks()),
       radio_(std::move(radio)),
       states_(radio_),

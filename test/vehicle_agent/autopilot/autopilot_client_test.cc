@@ -17,8 +17,8 @@ using ::testing::IsEmpty;
 /// Client and autopilot with a perfect link between them.
 class Talk {
  public:
-  explicit Talk(mavlink::Autopilot make = mavlink::kAutopilotArduPilot, AutopilotOptions options = {})
-      : autopilot(make), client(options) {}
+  explicit Talk(mavlink::Autopilot make = mavlink::kAutopilotArduPilot, bool has_gimbal = false)
+      : autopilot(make), client({}, has_gimbal) {}
 
   void Run(double seconds) {
     for (int i = 0; i < static_cast<int>(seconds * 50.0); ++i) {
@@ -261,6 +261,24 @@ TEST(AutopilotClient, AimsTheGimbal) {
   talk.Run(0.1);
   ASSERT_EQ(talk.autopilot.gimbal_aims.size(), 1U);
   EXPECT_NEAR(talk.autopilot.gimbal_aims[0].pitch, -0.5, 1e-6);
+}
+
+TEST(AutopilotClient, FollowsTheGimbalsAttitude) {
+  Talk talk(mavlink::kAutopilotArduPilot, true);
+  talk.Run(4.0);
+  talk.TakeOff(3.0);
+  talk.autopilot.yaw_ned_rad = 0.5 * std::numbers::pi;  // East.
+  talk.intent.kind = Intent::Kind::kFlyTo;
+  talk.intent.position_in_map_m = {0.0, 0.0, 3.0};
+  talk.intent.camera_pitch_rad = -0.5;
+  talk.Run(2.0);
+  ASSERT_TRUE(talk.Report().gimbal_pitch_rad.has_value());
+  EXPECT_NEAR(*talk.Report().gimbal_pitch_rad, -0.5, 1e-4);
+  const auto map_from_gimbal = talk.client.poses().FindGimbal(talk.now.utc_ns - 200'000'000);
+  ASSERT_TRUE(map_from_gimbal.has_value());
+  const Eigen::Vector3d view = *map_from_gimbal * Eigen::Vector3d::UnitX();
+  EXPECT_NEAR(view.x(), std::cos(0.5), 1e-3);
+  EXPECT_NEAR(view.z(), -std::sin(0.5), 1e-3);
 }
 
 TEST(AutopilotClient, LeavesOtherSystemsAlone) {
