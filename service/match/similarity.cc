@@ -209,7 +209,7 @@ Similarity RefineSimilarity(const std::vector<ShapePair>& pairs, const Similarit
     if (!std::isfinite(next.a + next.b + next.translation.sum()) || next.Scale() <= 0.0) return current;
     const double change = std::hypot(next.a - current.a, next.b - current.b) / current.Scale();
     current = next;
-    if (change < 1e-6) break;
+    if (change < 3e-5) break;
   }
   return current;
 }

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr double kMinShapeArea_px = 20.0;
+constexpr double kMinShapeArea_px = 60.0;
 
 struct RecognizeArguments {
   fs::path small;
