@@ -67,7 +67,7 @@ std::map<std::string, double> DefaultParameters() {
           {"WPNAV_SPEED_UP", 250}, {"WP_YAW_BEHAVIOR", 2}};
 }
 
-class ArduPilot : public Autopilot {
+class ArduPilot final : public Autopilot {
  public:
   explicit ArduPilot(const AutopilotOptions& options) : Autopilot(options, DefaultParameters()) { Boot(); }
 

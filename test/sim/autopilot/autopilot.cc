@@ -200,7 +200,7 @@ MotorCommand Autopilot::Step(const Senses& senses, double dt_s) {
   boot_s_ += dt_s;
   Update(dt_s);
   if (!is_armed_) goal_.kind = FlightGoal::Kind::kMotorsOff;
-  const MotorCommand command = control_.Step(goal_, limits_, senses_.estimate, dt_s);
+  MotorCommand command = control_.Step(goal_, limits_, senses_.estimate, dt_s);
   gimbal_.Step(senses_.estimate.map_from_body, dt_s);
   telemetry_.Step(MakeReport());
   if (boot_s_ >= next_timesync_s_) {

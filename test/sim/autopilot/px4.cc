@@ -44,7 +44,7 @@ std::map<std::string, double> DefaultParameters() {
           {"MPC_Z_VEL_MAX_UP", 3}, {"RTL_RETURN_ALT", 60},   {"MAV_SYS_ID", 1}};
 }
 
-class Px4 : public Autopilot {
+class Px4 final : public Autopilot {
  public:
   explicit Px4(const AutopilotOptions& options) : Autopilot(options, DefaultParameters()) { Boot(); }
 

@@ -173,7 +173,7 @@ class Session {
 
   Status Disturb(const std::string& words) {
     const std::lock_guard lock(mutex_);
-    const Status status = TryToDisturb(words);
+    Status status = TryToDisturb(words);
     if (status.ok()) spdlog::warn("disturbance: {}", words);
     return status;
   }
