@@ -638,7 +638,8 @@ class Conductor {
       if (decision.object_id != m_.status.object_id) continue;
       if (GivesLeave(decision) && (!best || IsBetter(decision, *best))) best = &decision;
       if (decision.verdict != Verdict::kBlocked) open.push_back(&decision);
-      reasons += (reasons.empty() ? "" : "; ") + decision.reason;
+      if (reasons.find(decision.reason) == std::string::npos)
+        reasons += (reasons.empty() ? "" : "; ") + decision.reason;
     }
     if (best && WasLookedAlong(*best)) return BeginCorridor(*best);
     if (best) return LookAlong(*best);
