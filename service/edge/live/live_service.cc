@@ -11,6 +11,7 @@
 #include "service/edge/live/findings.h"
 #include "service/edge/live/scene_answers.h"
 #include "service/match/match.h"
+#include "shared/options/yaml.h"
 
 namespace soffit {
 namespace {
@@ -259,6 +260,10 @@ MissionReply LiveService::StartFlight(const MissionRequest& request) {
   if (reference.ok()) {
     run.reference = reference.value();
     const auto bytes = std::make_shared<const std::vector<std::uint8_t>>(request.reference);
+    // With the survey and these options `soffit analyze` and `soffit report` repeat what was understood here.
+    OnDisk("the options", [file = run.folder / "options.yaml", text = DescribeOptions(options_.pipeline)] {
+      return WriteFile(file, text);
+    });
     OnDisk("the reference", [file = run.folder / run.reference_file, bytes] {
       return WriteFile(file, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
     });
