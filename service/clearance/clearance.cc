@@ -163,8 +163,9 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
   const double top = middle_z + 0.5 * vehicle.NeededHeight_m();
   decision.margin_up_m = corridor.floor_m + corridor.free_height_m - top - slack;
   decision.margin_down_m = bottom - corridor.floor_m - (stands_on_ground ? 0.0 : slack);
-  decision.margin_left_m = corridor.left_m - radius - slack;
-  decision.margin_right_m = corridor.free_width_m - corridor.left_m - radius - slack;
+  const double side_slack = options.sigmas * std::hypot(corridor.std_m, corridor.place_std_m);
+  decision.margin_left_m = corridor.left_m - radius - side_slack;
+  decision.margin_right_m = corridor.free_width_m - corridor.left_m - radius - side_slack;
   const Eigen::Vector2d from = corridor.entry_in_map_m.head<2>();
   const Eigen::Vector2d to = corridor.exit_in_map_m.head<2>();
   const Sweep sweep = SweepOctree(*scene.octree, from, to, radius, bottom, top);

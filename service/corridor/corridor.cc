@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kLineSteps = 4;            // Places that are tried on either side of the middle.
 constexpr double kLineRoom = 0.95;       // Of the room beside the vehicle: the rest is kept on all sides.
+constexpr double kFlat = 0.10;            // Of the needed height.
 constexpr std::size_t kMaxObstacles = 5;  // In one passage; the nearest to its axis count.
 
 Eigen::Vector3d At(const Eigen::Vector2d& plan, double z) { return {plan.x(), plan.y(), z}; }
@@ -57,14 +58,16 @@ Free NoRoom(const Ring& section) {
   return {{middle.x(), middle.x(), middle.y(), middle.y()}, 0.0};
 }
 
-/// The best room left of, right of or above each shadow.
+/// The best room left of or right of each shadow. Only what is flat is flown over: how high a thing is, is not known as
+/// well as where it stands.
 std::optional<Free> FitBetween(const Ring& section, const std::vector<Shadow>& shadows, std::size_t from,
                                const VehicleEnvelope& vehicle) {
   if (from == shadows.size()) return FitRoom(section, vehicle);
   const Shadow& shadow = shadows[from];
   std::optional<Free> best;
-  for (const Ring& part : {Clip(section, {1.0, 0.0}, shadow.left), Clip(section, {-1.0, 0.0}, -shadow.right),
-                           Clip(section, {0.0, -1.0}, -shadow.top)}) {
+  std::vector<Ring> parts = {Clip(section, {1.0, 0.0}, shadow.left), Clip(section, {-1.0, 0.0}, -shadow.right)};
+  if (shadow.top <= kFlat * vehicle.NeededHeight_m()) parts.push_back(Clip(section, {0.0, -1.0}, -shadow.top));
+  for (const Ring& part : parts) {
     const auto free = FitBetween(part, shadows, from + 1, vehicle);
     if (free && (!best || free->fit > best->fit)) best = free;
   }
@@ -140,6 +143,12 @@ Eigen::Vector2d ChooseLine(const Rectangle& free, const VehicleEnvelope& vehicle
   return best;
 }
 
+double PlaceStd(const Footprint& footprint) {
+  double sum = 0.0;
+  for (const double std : footprint.corner_std_m) sum += std;
+  return footprint.corner_std_m.empty() ? 0.0 : sum / static_cast<double>(footprint.corner_std_m.size());
+}
+
 std::string Describe(const std::vector<Shadow>& shadows) {
   if (shadows.empty()) return "";
   std::ostringstream text;
@@ -179,6 +188,7 @@ std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id,
       corridor.left_m = middle.x() - free.left;
       corridor.floor_m = free.bottom;
       corridor.std_m = passage.std_m;
+      corridor.place_std_m = PlaceStd(solid.footprint);
       corridor.limited_by = Describe(shadows);
       corridor.was_seen_from_both_sides = passage.was_seen_from_both_sides;
       corridors.push_back(corridor);

@@ -8,7 +8,7 @@ namespace soffit {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kBisections = 40;
+constexpr int kBisections = 30;
 
 struct Span {
   double low = -kInfinity;
@@ -23,6 +23,7 @@ class FreeHeights {
     for (const Eigen::Vector2d& p : ring) stations_.push_back(p.x());
     std::sort(stations_.begin(), stations_.end());
     stations_.erase(std::unique(stations_.begin(), stations_.end()), stations_.end());
+    for (const double u : stations_) at_stations_.push_back(Narrow(At(u, -1), At(u, +1)));
   }
   double left() const { return stations_.front(); }
   double right() const { return stations_.back(); }
@@ -31,8 +32,9 @@ class FreeHeights {
   /// Free over all of [from, to]: the bounds are straight between corners, so corners and ends tell.
   Span Over(double from, double to) const {
     Span span = Narrow(At(from, +1), At(to, -1));
-    for (const double u : stations_) {
-      if (u > from && u < to) span = Narrow(span, Narrow(At(u, -1), At(u, +1)));
+    const auto first = std::upper_bound(stations_.begin(), stations_.end(), from) - stations_.begin();
+    for (std::size_t i = static_cast<std::size_t>(first); i < stations_.size() && stations_[i] < to; ++i) {
+      span = Narrow(span, at_stations_[i]);
     }
     return span;
   }
@@ -59,6 +61,7 @@ class FreeHeights {
 
   const Ring& ring_;
   std::vector<double> stations_;
+  std::vector<Span> at_stations_;
 };
 
 struct Place {
@@ -88,7 +91,8 @@ Place BestPlace(const FreeHeights& free, double width) {
     for (int step = 0; step < 2 * kBisections; ++step) {
       const double a = low + (high - low) / 3.0;
       const double b = high - (high - low) / 3.0;
-      (at(a).span.Length() < at(b).span.Length() ? low : high) = at(a).span.Length() < at(b).span.Length() ? a : b;
+      const bool rises = at(a).span.Length() < at(b).span.Length();
+      (rises ? low : high) = rises ? a : b;
     }
     keep(at(0.5 * (low + high)));
   }
@@ -122,7 +126,6 @@ std::optional<Rectangle> FitRectangle(const Ring& ring, double width, double hei
   const double free_height = BestPlace(free, k * width).span.Length();
   const double free_width =
       Greatest(k * width, full, [&](double w) { return BestPlace(free, w).span.Length() >= free_height - 1e-9; });
-  // The middle of the places that are as good.
   const Place place = BestPlace(free, free_width);
   return Rectangle{place.left, place.left + free_width, place.span.low, place.span.high};
 }

@@ -11,7 +11,7 @@ struct Rectangle {
 };
 
 /// The upright rectangle inside an x-monotone polygon that is best relative to a need: the largest k for which
-/// k width x k height fits, then as high and as wide as it can be. Exact but for the bisection (1e-9 of the size).
+/// k width x k height fits, then as high and as wide as it can be. Exact but for the bisection (1e-8 of the size).
 /// None when the polygon is empty.
 std::optional<Rectangle> FitRectangle(const Ring& ring, double width, double height);
 

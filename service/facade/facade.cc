@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
@@ -17,7 +16,7 @@ constexpr double kMinVisible = 0.90;        // Of a wall's columns: less does no
 constexpr double kMinThroughShare = 0.60;   // Of what is seen beyond: clutter far behind may hide the rest.
 constexpr double kMinSkyShare = 0.50;       // Of what is seen through it above the horizon.
 constexpr double kMinGroundOnlyShare = 0.90;
-constexpr double kStraightShare = 0.70;     // Of a head's columns that lie on one level: it is straight.
+constexpr double kStraightShare = 0.25;     // Of a head's columns that have to lie on one level.
 constexpr double kPixelStd = 0.7;
 constexpr double kRoofSearch = 1.6;         // Times the height that is expected.
 constexpr double kFallbackHeight_m = 12.0;
@@ -227,6 +226,21 @@ double ShareAt(const std::vector<Eigen::Vector2d>& points, double at, double rea
   return count / static_cast<double>(points.size());
 }
 
+/// The highest level at which a straight head can lie: things behind an opening may hide more than half of it.
+double HighestLevel(const std::vector<Eigen::Vector2d>& points, double reach) {
+  std::vector<Eigen::Vector2d> sorted = points;
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.y() > b.y(); });
+  for (const Eigen::Vector2d& candidate : sorted) {
+    if (ShareAt(points, candidate.y() - reach, reach) < kStraightShare) continue;
+    std::vector<double> levels;
+    for (const Eigen::Vector2d& point : points) {
+      if (point.y() <= candidate.y() && point.y() >= candidate.y() - 2.0 * reach) levels.push_back(point.y());
+    }
+    return Median(levels);
+  }
+  return sorted[sorted.size() / 2].y();
+}
+
 /// Least squares of v = spring + rise sqrt(1 - t^2), t from -1 to 1 over the opening, with the worst fifth left out.
 Head FitArch(std::vector<Eigen::Vector2d> points, const Span& sides) {
   const double middle = 0.5 * (sides.low + sides.high);
@@ -253,6 +267,22 @@ Head FitArch(std::vector<Eigen::Vector2d> points, const Span& sides) {
   return head;
 }
 
+double HeightAt(const Head& head, const Span& sides, double u) {
+  const double t = std::clamp((2.0 * u - sides.low - sides.high) / (sides.high - sides.low), -1.0, 1.0);
+  return head.spring_m + head.rise_m * std::sqrt(1.0 - t * t);
+}
+
+double ShareOn(const std::vector<Eigen::Vector2d>& points, const Head& head, const Span& sides, double reach) {
+  double count = 0.0;
+  const double step = 1e-3 * (sides.high - sides.low);
+  for (const Eigen::Vector2d& point : points) {
+    const double height = HeightAt(head, sides, point.x());
+    const double slope = (HeightAt(head, sides, point.x() + step) - HeightAt(head, sides, point.x() - step)) / (2.0 * step);
+    count += std::abs(point.y() - height) <= reach * std::hypot(1.0, slope) ? 1.0 : 0.0;  // Across the arch.
+  }
+  return count / static_cast<double>(points.size());
+}
+
 Head MeasureHead(const Elevation& view, const Gap& gap, const Mouth& mouth, const Span& sides) {
   std::vector<Eigen::Vector2d> points;
   const double width = sides.high - sides.low;
@@ -270,19 +300,11 @@ Head MeasureHead(const Elevation& view, const Gap& gap, const Mouth& mouth, cons
     points.emplace_back(mouth_u, mouth.Top(v));
   }
   if (points.empty()) return {(gap.bounds.y + gap.bounds.height) * view.cell_m, 0.0};
-  std::vector<double> levels;
-  for (const Eigen::Vector2d& point : points) {
-    if (std::abs(point.x() - 0.5 * (sides.low + sides.high)) < 0.3 * width) levels.push_back(point.y());
-  }
-  if (levels.empty()) {
-    for (const Eigen::Vector2d& point : points) levels.push_back(point.y());
-  }
-  const double level = Median(levels);
   const double reach = 2.5 * view.cell_m / mouth.shrink;
-  if (ShareAt(points, level, reach) >= kStraightShare) return {level, 0.0};
+  const double level = HighestLevel(points, reach);
   const Head arch = FitArch(points, sides);
   const bool is_arch = arch.rise_m > 0.05 * width && arch.spring_m >= 0.0;
-  return is_arch ? arch : Head{level, 0.0};
+  return is_arch && ShareOn(points, arch, sides, reach) > ShareAt(points, level, reach) ? arch : Head{level, 0.0};
 }
 
 /// Counter-clockwise as seen from outside.

@@ -21,6 +21,7 @@ struct Sight {
   std::uint32_t capture_id = 0;
   bool has_trusted_pose = false;
   View view;
+  cv::Mat3b bgr;      ///< The picture itself, shared with the Image.
   cv::Mat1b seen;
 };
 

@@ -15,10 +15,12 @@ constexpr double kMinHueShare = 0.003;       // Of a class's pixels: rarer hues 
 constexpr int kHueReach = 4;                 // Of 256.
 constexpr double kShadeSaturation = 0.60;    // Of the class's own saturation: what shade and haze may leave of it.
 constexpr double kSurelySkyRise = 0.12;      // Tangent above the horizon: few things reach higher.
+constexpr double kDarkestSky = 0.60;         // Of the median of what is surely sky.
 constexpr double kSurelyGroundRise = -0.05;
 constexpr int kMaxSkyStep = 5;               // Of 255, from pixel to pixel: how fast sky fades.
 constexpr double kMinSkyShare = 2e-4;
 constexpr double kChromaReach = 0.022;
+constexpr double kDarkNoise = 4.0;            // Of 255: what noise and JPEG do to the chromaticity of dark pixels.
 constexpr double kDeepestShade = 0.18;       // Of the lit ground's median.
 constexpr int kMinSpeck_px = 8;
 
@@ -130,12 +132,27 @@ int LargestStep(const cv::Vec3b& a, const cv::Vec3b& b) {
   return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
 }
 
+int Brightness(const cv::Vec3b& color) { return color[0] + color[1] + color[2]; }
+
+/// What reaches high and is much darker than most of what is up there is a pole or a tree.
+double LeastSkyBrightness(const cv::Mat3b& smooth, const Horizon& horizon, const cv::Mat1b& seen) {
+  std::vector<float> values;
+  for (int y = 0; y < seen.rows; ++y) {
+    for (int x = 0; x < seen.cols; ++x) {
+      if (seen(y, x) == 0 && horizon.Rise(x, y) > kSurelySkyRise) values.push_back(static_cast<float>(Brightness(smooth(y, x))));
+    }
+  }
+  return values.empty() ? 0.0 : kDarkestSky * Quantile(values, 0.5);
+}
+
 /// Sky fades smoothly downward from what is surely sky; the colours met on the way are then sky in openings too.
 void MarkSky(const cv::Mat3b& smooth, const Horizon& horizon, cv::Mat1b& seen) {
+  const double least = LeastSkyBrightness(smooth, horizon, seen);
   ColorSet high;
   for (int y = 0; y < seen.rows; ++y) {
     for (int x = 0; x < seen.cols; ++x) {
-      if (seen(y, x) == 0 && horizon.Rise(x, y) > kSurelySkyRise) high.Add(smooth(y, x));
+      const bool is_bright = Brightness(smooth(y, x)) >= least;
+      if (seen(y, x) == 0 && horizon.Rise(x, y) > kSurelySkyRise && is_bright) high.Add(smooth(y, x));
     }
   }
   high.Close(kMinSkyShare);
@@ -145,6 +162,7 @@ void MarkSky(const cv::Mat3b& smooth, const Horizon& horizon, cv::Mat1b& seen) {
     for (int x = 0; x < seen.cols; ++x) {
       if (seen(y, x) != 0 || horizon.Rise(x, y) <= 0.0) continue;
       const cv::Vec3b& color = smooth(y, x);
+      if (Brightness(color) < least) continue;
       const bool goes_on = y > 0 && faded(y - 1, x) != 0 && LargestStep(color, smooth(y - 1, x)) <= kMaxSkyStep;
       if (!goes_on && !(horizon.Rise(x, y) > kSurelySkyRise && high.Has(color))) continue;
       faded(y, x) = 1;
@@ -183,7 +201,7 @@ struct GroundModel {
   bool Explains(const cv::Vec3b& color) const {
     const Chroma seen(color);
     if (seen.sum < least_sum || seen.sum > most_sum) return false;
-    const double reach = kChromaReach + 3.0 * spread + 1.5 / std::max(1.0F, seen.sum);
+    const double reach = kChromaReach + 3.0 * spread + kDarkNoise / std::max(1.0F, seen.sum);
     return std::hypot(seen.red - red, seen.green - green) <= reach;
   }
 };
@@ -209,6 +227,7 @@ GroundModel LearnGround(const cv::Mat3b& smooth, const Horizon& horizon, const c
   std::vector<float> deviations;
   deviations.reserve(reds.size());
   for (const float red : reds) deviations.push_back(std::abs(red - static_cast<float>(model.red)));
+  for (const float green : greens) deviations.push_back(std::abs(green - static_cast<float>(model.green)));
   model.spread = Quantile(deviations, 0.5);
   model.least_sum = kDeepestShade * Quantile(sums, 0.5);
   model.most_sum = 1.15 * Quantile(sums, 0.995);
@@ -256,6 +275,7 @@ Sight LabelSight(const Image& image, const Mask& buildings, const FacadeOptions&
   sight.capture_id = image.capture_id;
   sight.has_trusted_pose = image.has_trusted_pose;
   sight.view = image.view;
+  sight.bgr = image.bgr;
   sight.seen = cv::Mat1b(image.bgr.size(), static_cast<uchar>(Seen::kUnexplained));
   cv::Mat3b smooth;
   cv::GaussianBlur(image.bgr, smooth, cv::Size(3, 3), 0.0);

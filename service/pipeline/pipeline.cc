@@ -4,6 +4,8 @@
 #include <exception>
 #include <utility>
 
+#include "service/facade/align.h"
+
 namespace soffit {
 namespace {
 
@@ -84,13 +86,15 @@ std::string DescribeRecognition(const std::vector<Match>& matches) {
 }
 
 /// The model of a wanted building has what the horizontal pictures show of its walls, that of another one is plain.
-/// A stage that throws has a bug or met a library's failure: the building stays unknown then.
-Result<Solid> ModelObject(const SceneObject& object, const HorizontalViews& views, const PipelineOptions& options,
+/// The pictures that show a wanted building are adjusted to it. A stage that throws has a bug or met a library's failure: the building stays unknown then.
+Result<Solid> ModelObject(const SceneObject& object, HorizontalViews& views, const PipelineOptions& options,
                           std::vector<Facade>& facades) try {
   if (!object.is_matched) return RaiseSolid(object.footprint, {}, options.solid);
-  std::vector<Facade> walls = ReadFacades(object.footprint, views.images, views.masks, views.sights, options.facade);
+  const Alignment aligned = AlignSights(object.footprint, views.masks, views.sights, options.facade);
+  std::vector<Facade> walls = ReadFacades(aligned.footprint, views.images, views.masks, aligned.sights, options.facade);
+  views.sights = aligned.sights;
   facades.insert(facades.end(), walls.begin(), walls.end());
-  return RaiseSolid(object.footprint, walls, options.solid);
+  return RaiseSolid(aligned.footprint, walls, options.solid);
 } catch (const std::exception& failure) {
   return Error{Error::Code::kInternal, failure.what()};
 }
@@ -133,7 +137,7 @@ Result<Observation> Observe(const Capture& capture, const PipelineOptions& optio
 Understanding Understand(const std::vector<Observation>& observations, const Reference& reference,
                          const VehicleEnvelope& vehicle, std::uint64_t revision, const PipelineOptions& options) {
   Understanding all;
-  const HorizontalViews views = CollectHorizontalViews(observations);
+  HorizontalViews views = CollectHorizontalViews(observations);
   std::vector<Footprint> map = MakeVectorMap(observations);
   all.matches = Recognize(map, reference, options.match);
   std::vector<SceneObject> objects = MarkWanted(map, all.matches, options.scene.neighbours);

@@ -118,7 +118,8 @@ void FreeRays::PlaceUnpredicted(const Sight& sight, const Prediction& prediction
     Thing& thing = things[static_cast<std::size_t>(i)];
     if (thing.is_misfit) continue;
     const Eigen::Vector2d foot(thing.foot_x_sum / thing.foot_count, thing.foot_y);
-    const auto base = MeetHorizontalPlane(view_, foot, 0.0);
+    auto base = MeetHorizontalPlane(view_, foot, 0.0);
+    if (!base) base = MeetHorizontalPlane(view_, foot + Eigen::Vector2d(0.0, kHorizon_px), 0.0);
     if (!base) continue;
     const Eigen::Vector3d in_camera = (camera_from_map_ * Point<Map>{{base->x(), base->y(), 0.0}}).xyz_m;
     const double camera_height = view_.map_from_camera.translation_m.z();

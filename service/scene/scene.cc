@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <optional>
 
 #include "service/scene/evidence.h"
+#include "service/scene/ground_check.h"
 #include "service/scene/prediction.h"
 
 namespace soffit {
 namespace {
+
+constexpr double kGroundCell_m = 0.04;
 
 /// The space that is mapped: whole voxels, aligned as OctoMap aligns them.
 struct Grid {
@@ -27,20 +30,43 @@ struct Box {
   Eigen::Vector3d high = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
 };
 
-Grid LayGrid(const std::vector<Solid>& solids, const SceneOptions& options) {
+Box Bound(const Solid& solid) {
   Box box;
-  for (const Solid& solid : solids) {
-    for (const Eigen::Vector3d& p : solid.mesh.vertices_in_map_m) {
-      box.low = box.low.cwiseMin(p);
-      box.high = box.high.cwiseMax(p);
-    }
+  for (const Eigen::Vector3d& p : solid.mesh.vertices_in_map_m) {
+    box.low = box.low.cwiseMin(p);
+    box.high = box.high.cwiseMax(p);
   }
+  return box;
+}
+
+bool IsWanted(const Scene& scene, const Solid& solid) {
+  return std::any_of(scene.objects.begin(), scene.objects.end(), [&](const SceneObject& object) {
+    return object.is_matched && object.footprint.object_id == solid.footprint.object_id;
+  });
+}
+
+/// Around the wanted models; none when there is none.
+std::optional<Box> BoundWanted(const Scene& scene, double margin_m) {
+  std::optional<Box> all;
+  for (const Solid& solid : scene.solids) {
+    if (!IsWanted(scene, solid)) continue;
+    const Box box = Bound(solid);
+    if (!all) all = box;
+    all->low = all->low.cwiseMin(box.low);
+    all->high = all->high.cwiseMax(box.high);
+  }
+  if (!all) return std::nullopt;
+  all->low.head<2>().array() -= margin_m;
+  all->high.head<2>().array() += margin_m;
+  all->low.z() = 0.0;
+  return all;
+}
+
+Grid LayGrid(const std::optional<Box>& wanted, const SceneOptions& options) {
   Grid grid;
   grid.voxel_m = options.voxel_m;
-  if (solids.empty()) return grid;
-  box.low.head<2>().array() -= options.margin_m;
-  box.high.head<2>().array() += options.margin_m;
-  box.low.z() = 0.0;
+  if (!wanted) return grid;
+  const Box& box = *wanted;
   const Eigen::Vector3d size = box.high - box.low;
   while (size.prod() / std::pow(grid.voxel_m, 3) > options.max_voxels) grid.voxel_m *= 2.0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -109,17 +135,10 @@ bool Touches(const Box& box, const Grid& grid, int x, int y) {
 
 std::shared_ptr<const octomap::OcTree> MapSpace(const Scene& scene, const std::vector<FreeRays>& rays,
                                                 const SceneOptions& options) {
-  const Grid grid = LayGrid(scene.solids, options);
+  const Grid grid = LayGrid(BoundWanted(scene, options.margin_m), options);
   auto tree = std::make_shared<octomap::OcTree>(grid.voxel_m);
   std::vector<Box> boxes;
-  for (const Solid& solid : scene.solids) {
-    Box box;
-    for (const Eigen::Vector3d& p : solid.mesh.vertices_in_map_m) {
-      box.low = box.low.cwiseMin(p);
-      box.high = box.high.cwiseMax(p);
-    }
-    boxes.push_back(box);
-  }
+  for (const Solid& solid : scene.solids) boxes.push_back(Bound(solid));
   const double radius = 0.5 * std::sqrt(3.0) * grid.voxel_m;
   for (int x = 0; x < grid.count[0]; ++x) {
     for (int y = 0; y < grid.count[1]; ++y) {
@@ -168,15 +187,22 @@ Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::
   for (const Mesh& block : blocks) meshes.push_back(&block);
 
   std::vector<FreeRays> rays;
-  if (!scene.solids.empty()) {
+  if (const std::optional<Box> wanted = BoundWanted(scene, options.margin_m)) {
+    std::vector<Sight> trusted;
+    std::vector<Prediction> predictions;
     for (const Sight& sight : sights) {
-      if (sight.has_trusted_pose) rays.emplace_back(sight, Predict(sight.view, meshes));
+      if (!sight.has_trusted_pose) continue;
+      trusted.push_back(sight);
+      trusted.back().seen = sight.seen.clone();
+      predictions.push_back(Predict(sight.view, meshes));
     }
+    RejectDisputedGround(predictions, wanted->low.head<2>(), wanted->high.head<2>(), kGroundCell_m, trusted);
+    for (std::size_t i = 0; i < trusted.size(); ++i) rays.emplace_back(trusted[i], predictions[i]);
   }
   for (const FreeRays& view : rays) {
     for (const Obstacle& obstacle : view.obstacles()) {
       const bool is_near = std::any_of(scene.solids.begin(), scene.solids.end(), [&](const Solid& solid) {
-        return Reaches(solid, obstacle, options.margin_m);
+        return IsWanted(scene, solid) && Reaches(solid, obstacle, options.margin_m);
       });
       if (is_near) scene.obstacles.push_back(obstacle);
     }

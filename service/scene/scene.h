@@ -62,7 +62,8 @@ struct SceneOptions {
 /// ground in front of all that it hides, the ray is free up to its foot; otherwise (it hangs, or it may go on behind a
 /// structure) the ray proves nothing. Two pixels beside a predicted edge either side of it is accepted.
 ///
-/// The extent is that of the solids and `margin_m` around them; nothing is mapped when there is no solid. Pure.
+/// A place of the ground that two pictures show differently proves nothing in either. The extent is that of the matched
+/// objects' solids and `margin_m` around them; without any, nothing is mapped. Pure.
 Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::vector<Solid> solids,
                  const std::vector<Sight>& sights, const SceneOptions& options);
 

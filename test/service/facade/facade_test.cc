@@ -1,0 +1,136 @@
+#include "service/facade/facade.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "service/facade/wall.h"
+#include "shared/result/result.h"
+#include "test/support/painted_world.h"
+
+namespace soffit {
+namespace {
+
+using test::Arch;
+using test::Look;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+Seen At(const Sight& sight, const Eigen::Vector3d& point) {
+  const auto pixel = Project(sight.view, point);
+  return static_cast<Seen>(sight.seen(static_cast<int>(pixel->y()), static_cast<int>(pixel->x())));
+}
+
+std::vector<Facade> Read(const Arch& arch, const std::vector<View>& views, const std::vector<test::Thing>& more = {}) {
+  std::vector<test::Thing> things = {arch.thing()};
+  things.insert(things.end(), more.begin(), more.end());
+  const auto seeing = Look(views, things);
+  return ReadFacades(arch.footprint(), seeing.images, seeing.masks, seeing.sights, {});
+}
+
+TEST(LabelSight, TellsStructureGroundAndSkyApart) {
+  const auto seeing = Look({test::FromSouth()}, {Arch{}.thing()});
+  const Sight& sight = seeing.sights.front();
+  EXPECT_EQ(At(sight, {1.5, -0.75, 1.0}), Seen::kStructure);
+  EXPECT_EQ(At(sight, {1.5, -1.5, 0.0}), Seen::kGround);
+  EXPECT_EQ(At(sight, {0.0, 20.0, 1.8}), Seen::kSky);
+}
+
+TEST(LabelSight, TakesADarkPoleForUnexplained) {
+  const test::Thing pole = test::Block(test::Box(-0.05, -1.3, 0.05, -1.2), 0.0, 2.5, {30, 60, 30});
+  const auto seeing = Look({test::FromSouth()}, {Arch{}.thing(), pole});
+  EXPECT_EQ(At(seeing.sights.front(), {0.0, -1.3, 1.3}), Seen::kUnexplained);
+  EXPECT_EQ(At(seeing.sights.front(), {0.0, -1.3, 0.5}), Seen::kUnexplained);
+}
+
+TEST(LabelSight, GivesTheSameBytesTwice) {
+  const auto a = Look({test::FromSouth()}, {Arch{}.thing()});
+  const auto b = Look({test::FromSouth()}, {Arch{}.thing()});
+  EXPECT_EQ(cv::norm(a.sights[0].seen, b.sights[0].seen, cv::NORM_INF), 0.0);
+}
+
+TEST(LabelSight, RefusesAMaskOfAnotherSize) {
+  Image image;
+  image.bgr = cv::Mat3b(10, 10);
+  Mask mask;
+  mask.label = cv::Mat1b(5, 5);
+  EXPECT_THROW(LabelSight(image, mask, {}), ContractViolation);
+}
+
+TEST(ReadFacades, MeasuresASeeThroughOpening) {
+  const auto facades = Read({}, {test::FromSouth()});
+  ASSERT_THAT(facades, SizeIs(4));
+  EXPECT_TRUE(facades[0].was_seen);
+  EXPECT_NEAR(facades[0].height_m, 2.3, 0.02);
+  ASSERT_THAT(facades[0].openings, SizeIs(1));
+  const Opening& opening = facades[0].openings[0];
+  EXPECT_TRUE(opening.is_through) << opening.evidence;
+  ASSERT_THAT(opening.ring_in_wall_m, SizeIs(4));
+  EXPECT_NEAR(opening.ring_in_wall_m[0].x(), 1.2, 0.02);
+  EXPECT_NEAR(opening.ring_in_wall_m[1].x(), 2.8, 0.02);
+  EXPECT_NEAR(opening.ring_in_wall_m[2].y(), 1.5, 0.02);
+}
+
+TEST(ReadFacades, TakesADarkRecessForNoWayThrough) {
+  const test::Thing dark = test::Block(test::Box(-0.8, -0.1, 0.8, -0.05), 0.0, 1.5, {8, 8, 8});
+  const auto facades = Read({1.6, 1.5, 0.7}, {test::FromSouth()}, {dark});
+  for (const Opening& opening : facades[0].openings) EXPECT_FALSE(opening.is_through) << opening.evidence;
+}
+
+TEST(ReadFacades, TakesAPaintedDoorForNoWayThrough) {
+  const test::Thing door = test::Block(test::Box(-0.6, -0.76, 0.6, -0.75), 0.0, 1.5, {60, 60, 60});
+  const auto facades = Read({0.01, 0.01, 0.01}, {test::FromSouth()}, {door});
+  for (const Opening& opening : facades[0].openings) EXPECT_FALSE(opening.is_through) << opening.evidence;
+}
+
+TEST(ReadFacades, KnowsWhichWallsItDidNotSee) {
+  const auto facades = Read({}, {test::FromSouth()});
+  EXPECT_FALSE(facades[1].was_seen);
+  EXPECT_FALSE(facades[2].was_seen);
+  EXPECT_FALSE(facades[3].was_seen);
+  EXPECT_THAT(facades[2].openings, IsEmpty());
+}
+
+TEST(ReadFacades, SeesNothingWithoutPictures) {
+  for (const Facade& facade : ReadFacades(Arch{}.footprint(), {}, {}, {}, {})) EXPECT_FALSE(facade.was_seen);
+}
+
+TEST(AlignSights, BringsNoisyPosesBackToTheBuilding) {
+  const std::vector<View> views = {test::FromSouth(), test::FromNorth()};
+  std::vector<View> reported = views;
+  for (View& view : reported) {
+    view.position_std_m = 0.08;
+    view.orientation_std_rad = 0.014;
+  }
+  reported[0].map_from_camera.translation_m += Eigen::Vector3d(0.06, -0.05, 0.07);
+  reported[1].map_from_camera.rotation =
+      Eigen::AngleAxisd(0.015, Eigen::Vector3d(0.6, 0.5, 0.62).normalized()) * reported[1].map_from_camera.rotation;
+  const auto seeing = Look(views, {Arch{}.thing()}, reported);
+  const Alignment aligned = AlignSights(Arch{}.footprint(), seeing.masks, seeing.sights, {});
+  EXPECT_NEAR(aligned.footprint.height_m, 2.3, 0.05);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (const Eigen::Vector3d& corner : {Eigen::Vector3d(-2.0, 0.0, 0.0), Eigen::Vector3d(2.0, 0.0, 2.3)}) {
+      const Eigen::Vector2d truly = *Project(views[i], corner);
+      // The building itself is moved by the common part of the errors.
+      const Eigen::Vector2d shift = aligned.footprint.polygon_in_map_m.outer[0] - Eigen::Vector2d(-2.0, -0.75);
+      const Eigen::Vector2d now = *Project(aligned.sights[i].view, corner + Eigen::Vector3d(shift.x(), shift.y(), 0.0));
+      EXPECT_LT((now - truly).norm(), 3.0);
+    }
+  }
+}
+
+TEST(FindWayOut, EndsAtTheWallOpposite) {
+  const auto way = FindWayOut({test::Box(-2.0, -0.75, 2.0, 0.75), {}}, 0, 1.0);
+  ASSERT_TRUE(way.has_value());
+  EXPECT_EQ(way->side, 2);
+  EXPECT_NEAR(way->length_m, 1.5, 1e-9);
+  EXPECT_NEAR(way->u_m, 3.0, 1e-9);
+}
+
+TEST(FindWayOut, FindsNoneIntoACourtyard) {
+  Ring yard = test::Box(-0.5, -0.5, 0.5, 0.5);
+  std::reverse(yard.begin(), yard.end());
+  EXPECT_FALSE(FindWayOut({test::Box(-2.0, -2.0, 2.0, 2.0), {yard}}, 0, 2.0).has_value());
+}
+
+}  // namespace
+}  // namespace soffit
