@@ -9,13 +9,15 @@ namespace soffit {
 namespace {
 
 constexpr double kDown = -std::numbers::pi / 2.0;
-constexpr double kCurveTurn_rad = 0.7;         // Sides that turn less against each other are one curved wall.
-constexpr double kSeenIncidence_rad = 0.8;     // A wall seen under a greater angle to its normal is not seen well.
-constexpr double kLowViewRatio = 0.15;         // Height of a level camera over the height of the wall.
+constexpr double kCurveTurn_rad = 0.7;  // Sides that turn less against each other are one curved wall.
+constexpr double kSeenIncidence_rad =
+    0.8;                                // A wall seen under a greater angle to its normal is not seen well.
+constexpr double kLowViewRatio = 0.15;  // Height of a level camera over the height of the wall.
 constexpr double kLeastUnknownHeight_m = 3.0;
-constexpr double kLeastTangent = 0.02;         // Of a field of view, for optical axes near the picture's edge.
+constexpr double kLeastTangent = 0.02;  // Of a field of view, for optical axes near the picture's edge.
 
-/// Tangents of the angles from the optical axis to the nearer edges of the picture, less what framing leaves free.
+/// Tangents of the angles from the optical axis to the nearer edges of the picture, less what framing leaves
+/// free.
 struct FieldOfView {
   double side;
   double up;
@@ -42,11 +44,11 @@ Eigen::Vector2d Outward(const Ring& ring, std::size_t side) {
   return {along.y(), -along.x()};
 }
 
-double Length(const Ring& ring, std::size_t side) { return (Corner(ring, side + 1) - Corner(ring, side)).norm(); }
-
-Eigen::Vector2d Turned(const Eigen::Vector2d& v, double by_rad) {
-  return Eigen::Rotation2Dd(by_rad) * v;
+double Length(const Ring& ring, std::size_t side) {
+  return (Corner(ring, side + 1) - Corner(ring, side)).norm();
 }
+
+Eigen::Vector2d Turned(const Eigen::Vector2d& v, double by_rad) { return Eigen::Rotation2Dd(by_rad) * v; }
 
 double Angle(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0));
@@ -61,7 +63,9 @@ double HeightOf(const Footprint& object) {
 }
 
 bool Crosses(const Ring& ring, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); };
+  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() * b.y() - a.y() * b.x();
+  };
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Eigen::Vector2d a = ring[i];
     const Eigen::Vector2d b = Corner(ring, i + 1);
@@ -73,7 +77,8 @@ bool Crosses(const Ring& ring, const Eigen::Vector2d& from, const Eigen::Vector2
 }
 
 /// Whether a place sees the whole side: nothing stands on the lines to points just before it.
-bool SeesSide(const Eigen::Vector2d& place, const Ring& ring, std::size_t side, const std::vector<Footprint>& others) {
+bool SeesSide(const Eigen::Vector2d& place, const Ring& ring, std::size_t side,
+              const std::vector<Footprint>& others) {
   constexpr int kSamples = 9;
   constexpr double kBefore_m = 0.01;
   for (int i = 0; i <= kSamples; ++i) {
@@ -88,7 +93,8 @@ bool SeesSide(const Eigen::Vector2d& place, const Ring& ring, std::size_t side, 
   return true;
 }
 
-bool IsFree(const Eigen::Vector2d& place, const Footprint& object, const std::vector<Footprint>& map, double distance_m) {
+bool IsFree(const Eigen::Vector2d& place, const Footprint& object, const std::vector<Footprint>& map,
+            double distance_m) {
   const auto is_free_of = [&](const Footprint& footprint) {
     const Ring& ring = footprint.polygon_in_map_m.outer;
     return !Contains(ring, place) && DistanceToRing(place, ring) >= distance_m;
@@ -123,12 +129,13 @@ std::vector<Eigen::Vector2d> CurveAround(const Ring& ring, std::size_t side) {
 /// A level camera, its axis through a point of a wall.
 struct LevelLook {
   Eigen::Vector2d target;
-  Eigen::Vector2d heading;   ///< Unit.
-  double distance_m;         ///< From the target.
+  Eigen::Vector2d heading;  ///< Unit.
+  double distance_m;        ///< From the target.
   Eigen::Vector2d Place() const { return target - distance_m * heading; }
 };
 
-bool FitsSideways(const LevelLook& look, const std::vector<Eigen::Vector2d>& points, const FieldOfView& field) {
+bool FitsSideways(const LevelLook& look, const std::vector<Eigen::Vector2d>& points,
+                  const FieldOfView& field) {
   const Eigen::Vector2d left(-look.heading.y(), look.heading.x());
   return std::all_of(points.begin(), points.end(), [&](const Eigen::Vector2d& point) {
     const Eigen::Vector2d p = point - look.Place();
@@ -137,7 +144,8 @@ bool FitsSideways(const LevelLook& look, const std::vector<Eigen::Vector2d>& poi
   });
 }
 
-/// Least distance at which a level camera at `altitude_m` has both ends of the height range [0, height_m] in view.
+/// Least distance at which a level camera at `altitude_m` has both ends of the height range [0, height_m] in
+/// view.
 double LeastDistance(double height_m, double altitude_m, const FieldOfView& field) {
   return std::max(altitude_m / field.down, (height_m - altitude_m) / field.up);
 }
@@ -153,12 +161,13 @@ bool ShowsWell(const Viewpoint& view, const Ring& ring, std::size_t side, const 
 }
 
 std::string NameOfSide(std::size_t rank) {
-  static constexpr const char* kNames[] = {"front wall, the longest side", "right wall", "wall opposite of the front"};
+  static constexpr const char* kNames[] = {"front wall, the longest side", "right wall",
+                                           "wall opposite of the front"};
   return rank < std::size(kNames) ? kNames[rank] : "another wall";
 }
 
-/// Front, right, opposite, then the rest by length. The ring is counter-clockwise, so its sides run to the right of who
-/// stands before them.
+/// Front, right, opposite, then the rest by length. The ring is counter-clockwise, so its sides run to the
+/// right of who stands before them.
 std::vector<std::size_t> OrderSides(const Ring& ring) {
   const std::size_t n = ring.size();
   std::vector<std::size_t> by_length(n);
@@ -187,8 +196,13 @@ Viewpoint PlanOverview(const Eigen::Vector2d& center_in_map_m, double radius_m, 
   const FieldOfView field = FieldOf(camera, options.framing);
   const double fit_m = radius_m / std::min({field.side, field.up, field.down});
   const double altitude_m = std::min(std::max(options.overview_altitude_m, fit_m), options.max_altitude_m);
-  return {Purpose::kOverview, {center_in_map_m.x(), center_in_map_m.y(), altitude_m},
-          std::numbers::pi / 2.0, kDown, 0, -1, "overview of the area"};
+  return {Purpose::kOverview,
+          {center_in_map_m.x(), center_in_map_m.y(), altitude_m},
+          std::numbers::pi / 2.0,
+          kDown,
+          0,
+          -1,
+          "overview of the area"};
 }
 
 Viewpoint PlanTop(const Footprint& object, const Intrinsics& camera, const VehicleEnvelope& vehicle,
@@ -206,7 +220,8 @@ Viewpoint PlanTop(const Footprint& object, const Intrinsics& camera, const Vehic
   const Eigen::Vector2d center = box_from_map.transpose() * box.center();
 
   const bool is_long_side_first = half.x() >= half.y();
-  const double fit_m = std::max(half.maxCoeff() / field.side, half.minCoeff() / std::min(field.up, field.down));
+  const double fit_m =
+      std::max(half.maxCoeff() / field.side, half.minCoeff() / std::min(field.up, field.down));
   const double keep_off_m = vehicle.NeededHeight_m() + options.min_distance_m;
   double altitude_m = std::max(options.top_altitude_m, object.height_m + std::max(fit_m, keep_off_m));
   if (!(object.height_m > 0.0)) altitude_m = std::max(altitude_m, options.overview_altitude_m);
@@ -214,8 +229,13 @@ Viewpoint PlanTop(const Footprint& object, const Intrinsics& camera, const Vehic
 
   // The picture's long side is across the heading.
   const Eigen::Vector2d heading = is_long_side_first ? Turned(along, std::numbers::pi / 2.0) : along;
-  return {Purpose::kTop, {center.x(), center.y(), altitude_m}, std::atan2(heading.y(), heading.x()), kDown,
-          object.object_id, -1, "roof from above"};
+  return {Purpose::kTop,
+          {center.x(), center.y(), altitude_m},
+          std::atan2(heading.y(), heading.x()),
+          kDown,
+          object.object_id,
+          -1,
+          "roof from above"};
 }
 
 std::optional<Viewpoint> PlanWall(const Footprint& object, int side, const std::vector<Footprint>& map,
@@ -241,15 +261,21 @@ std::optional<Viewpoint> PlanWall(const Footprint& object, int side, const std::
       const LevelLook tried{target, look.heading, look.distance_m * farther};
       if (!IsFree(tried.Place(), object, others, keep_off_m)) continue;
       if (!SeesSide(tried.Place(), ring, wall, others)) continue;
-      return Viewpoint{Purpose::kWall, {tried.Place().x(), tried.Place().y(), altitude_m},
-                       std::atan2(look.heading.y(), look.heading.x()), 0.0, object.object_id, side, "wall"};
+      return Viewpoint{Purpose::kWall,
+                       {tried.Place().x(), tried.Place().y(), altitude_m},
+                       std::atan2(look.heading.y(), look.heading.x()),
+                       0.0,
+                       object.object_id,
+                       side,
+                       "wall"};
     }
   }
   return std::nullopt;
 }
 
-std::vector<Viewpoint> PlanWalls(const Footprint& object, const std::vector<Footprint>& map, const Intrinsics& camera,
-                                 const VehicleEnvelope& vehicle, const ViewpointOptions& options) {
+std::vector<Viewpoint> PlanWalls(const Footprint& object, const std::vector<Footprint>& map,
+                                 const Intrinsics& camera, const VehicleEnvelope& vehicle,
+                                 const ViewpointOptions& options) {
   const Ring& ring = object.polygon_in_map_m.outer;
   SOFFIT_EXPECT(ring.size() >= 3);
   const FieldOfView field = FieldOf(camera, 1.0);
@@ -275,7 +301,8 @@ std::vector<Viewpoint> PlanWalls(const Footprint& object, const std::vector<Foot
     const std::size_t side = order[rank];
     const bool is_wanted = Length(ring, side) >= vehicle.NeededWidth_m() || !is_half_of_hull_seen();
     if (!is_wanted || is_seen(side)) continue;
-    std::optional<Viewpoint> view = PlanWall(object, static_cast<int>(side), others, camera, vehicle, options);
+    std::optional<Viewpoint> view =
+        PlanWall(object, static_cast<int>(side), others, camera, vehicle, options);
     if (!view) continue;
     view->reason = NameOfSide(rank);
     views.push_back(*view);
@@ -284,8 +311,8 @@ std::vector<Viewpoint> PlanWalls(const Footprint& object, const std::vector<Foot
 }
 
 Viewpoint PlanCorridorLook(const Eigen::Vector3d& entry_in_map_m, const Eigen::Vector3d& exit_in_map_m,
-                           const std::vector<Footprint>& map, const Intrinsics& camera, const VehicleEnvelope& vehicle,
-                           const ViewpointOptions& options) {
+                           const std::vector<Footprint>& map, const Intrinsics& camera,
+                           const VehicleEnvelope& vehicle, const ViewpointOptions& options) {
   const Eigen::Vector2d heading = (exit_in_map_m - entry_in_map_m).head<2>().normalized();
   SOFFIT_EXPECT(heading.allFinite());
   const FieldOfView field = FieldOf(camera, options.framing);
@@ -294,7 +321,8 @@ Viewpoint PlanCorridorLook(const Eigen::Vector3d& entry_in_map_m, const Eigen::V
   const auto is_free = [&](const Eigen::Vector2d& place) {
     return std::all_of(map.begin(), map.end(), [&](const Footprint& other) {
       const Ring& ring = other.polygon_in_map_m.outer;
-      return !Contains(ring, place) && DistanceToRing(place, ring) >= vehicle.radius_m + vehicle.safety_margin_m;
+      return !Contains(ring, place) &&
+             DistanceToRing(place, ring) >= vehicle.radius_m + vehicle.safety_margin_m;
     });
   };
   Eigen::Vector2d place = entry_in_map_m.head<2>();
@@ -304,8 +332,13 @@ Viewpoint PlanCorridorLook(const Eigen::Vector3d& entry_in_map_m, const Eigen::V
     if (!is_free(farther)) break;
     place = farther;
   }
-  return {Purpose::kCorridor, {place.x(), place.y(), entry_in_map_m.z()}, std::atan2(heading.y(), heading.x()), 0.0,
-          0, -1, "look along the corridor"};
+  return {Purpose::kCorridor,
+          {place.x(), place.y(), entry_in_map_m.z()},
+          std::atan2(heading.y(), heading.x()),
+          0.0,
+          0,
+          -1,
+          "look along the corridor"};
 }
 
 }  // namespace soffit

@@ -6,16 +6,19 @@
 
 namespace soffit::test {
 
-/// A red arch of 4 x 1.5 x 2.3 m with a passage of 1.6 x 1.4 m from its south to its north side, a blue neighbour, a pole
-/// that no model accounts for, and a CLEAR corridor: what a good survey of it would give.
+/// A red arch of 4 x 1.5 x 2.3 m with a passage of 1.6 x 1.4 m from its south to its north side, a blue
+/// neighbour, a pole that no model accounts for, and a CLEAR corridor: what a good survey of it would give.
 inline Mesh ArchMesh() {
   Mesh mesh;
-  // The outline of the south wall, walked counter-clockwise seen from the south; the north wall lies 1.5 m behind.
-  const std::vector<Eigen::Vector2d> profile = {{0, 0}, {1.2, 0}, {1.2, 1.4}, {2.8, 1.4}, {2.8, 0}, {4, 0}, {4, 2.3}, {0, 2.3}};
+  // The outline of the south wall, walked counter-clockwise seen from the south; the north wall lies 1.5 m
+  // behind.
+  const std::vector<Eigen::Vector2d> profile = {{0, 0},   {1.2, 0}, {1.2, 1.4}, {2.8, 1.4},
+                                                {2.8, 0}, {4, 0},   {4, 2.3},   {0, 2.3}};
   for (const double y : {0.0, 1.5}) {
     for (const Eigen::Vector2d& p : profile) mesh.vertices_in_map_m.emplace_back(p.x(), y, p.y());
   }
-  for (const auto& [a, b, c] : std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 7}, {2, 3, 7}, {3, 6, 7}, {3, 4, 5}, {3, 5, 6}}) {
+  for (const auto& [a, b, c] :
+       std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 7}, {2, 3, 7}, {3, 6, 7}, {3, 4, 5}, {3, 5, 6}}) {
     mesh.triangles.push_back({a, b, c});
     mesh.triangles.push_back({a + 8, c + 8, b + 8});
   }
@@ -27,8 +30,8 @@ inline Mesh ArchMesh() {
   return mesh;
 }
 
-inline Footprint BoxFootprint(std::uint32_t id, const std::string& color, double x0, double y0, double x1, double y1,
-                              double height_m) {
+inline Footprint BoxFootprint(std::uint32_t id, const std::string& color, double x0, double y0, double x1,
+                              double y1, double height_m) {
   Footprint footprint;
   footprint.object_id = id;
   footprint.color = color;

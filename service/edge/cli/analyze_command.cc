@@ -34,7 +34,8 @@ void RunAnalyze(const AnalyzeArguments& arguments) {
 }  // namespace
 
 void AddAnalyzeCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("analyze", "Runs the service's stages on the pictures of a survey folder");
+  CLI::App* command =
+      app.add_subcommand("analyze", "Runs the service's stages on the pictures of a survey folder");
   const auto arguments = std::make_shared<AnalyzeArguments>();
   command->add_option("survey", arguments->survey, "Folder with survey.json and its pictures")->required();
   command->add_option("--out", arguments->out, "Folder for the results")->required();

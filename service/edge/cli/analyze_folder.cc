@@ -4,7 +4,8 @@
 
 namespace soffit {
 
-Result<FolderAnalysis> AnalyzeFolder(const std::filesystem::path& folder, const std::filesystem::path& config_file) {
+Result<FolderAnalysis> AnalyzeFolder(const std::filesystem::path& folder,
+                                     const std::filesystem::path& config_file) {
   PipelineOptions options;
   if (!config_file.empty()) {
     const Result<PipelineOptions> read = ReadOptionsFile<PipelineOptions>(config_file.string());

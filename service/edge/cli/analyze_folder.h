@@ -8,11 +8,12 @@
 namespace soffit {
 
 struct FolderAnalysis {
-  Survey survey;   ///< Without the bytes of the pictures.
+  Survey survey;  ///< Without the bytes of the pictures.
   Analysis analysis;
 };
 
 /// Reads a survey folder and runs the stages on it, with the options in `config_file` (empty: the defaults).
-Result<FolderAnalysis> AnalyzeFolder(const std::filesystem::path& folder, const std::filesystem::path& config_file);
+Result<FolderAnalysis> AnalyzeFolder(const std::filesystem::path& folder,
+                                     const std::filesystem::path& config_file);
 
 }  // namespace soffit

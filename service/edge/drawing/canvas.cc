@@ -9,7 +9,7 @@
 namespace soffit {
 namespace {
 
-constexpr int kShift = 4;              // Fractional bits of OpenCV's drawing coordinates.
+constexpr int kShift = 4;  // Fractional bits of OpenCV's drawing coordinates.
 constexpr double kFarOutside_px = 1e5;
 constexpr double kNear_m = 0.05;
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
@@ -30,8 +30,8 @@ std::vector<PixelLine> CutToDashes(const PixelLine& line, double dash_px) {
   double done_px = 0.0;
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     const double length_px = std::min((line[i + 1] - line[i]).norm(), kFarOutside_px);
-    const Eigen::Vector2d along = length_px > 0.0 ? Eigen::Vector2d((line[i + 1] - line[i]) / length_px)
-                                                  : Eigen::Vector2d::Zero();
+    const Eigen::Vector2d along =
+        length_px > 0.0 ? Eigen::Vector2d((line[i + 1] - line[i]) / length_px) : Eigen::Vector2d::Zero();
     for (double t = 0.0; t < length_px;) {
       const double phase = std::fmod(done_px + t, 2.0 * dash_px);
       const double step = std::min(length_px - t, (phase < dash_px ? dash_px : 2.0 * dash_px) - phase + 1e-6);
@@ -43,7 +43,8 @@ std::vector<PixelLine> CutToDashes(const PixelLine& line, double dash_px) {
   return dashes;
 }
 
-void Polyline(cv::Mat3b& picture, const PixelLine& line, const cv::Scalar& color, double width_px, bool is_closed) {
+void Polyline(cv::Mat3b& picture, const PixelLine& line, const cv::Scalar& color, double width_px,
+              bool is_closed) {
   std::vector<cv::Point> points;
   for (const Eigen::Vector2d& p : line) points.push_back(Fixed(p));
   cv::polylines(picture, points, is_closed, color, std::max(1, cvRound(width_px)), cv::LINE_AA, kShift);
@@ -51,7 +52,8 @@ void Polyline(cv::Mat3b& picture, const PixelLine& line, const cv::Scalar& color
 
 }  // namespace
 
-Canvas::Canvas(const cv::Mat3b& picture) : picture_(picture.clone()), unit_(std::max(0.5, picture.cols / 1280.0)) {}
+Canvas::Canvas(const cv::Mat3b& picture)
+    : picture_(picture.clone()), unit_(std::max(0.5, picture.cols / 1280.0)) {}
 
 void Canvas::DrawLine(const PixelLine& line, const Stroke& stroke, bool is_closed) {
   if (line.size() < 2) return;
@@ -62,9 +64,11 @@ void Canvas::DrawLine(const PixelLine& line, const Stroke& stroke, bool is_close
   const bool closes = is_closed && !stroke.is_dashed;
   if (stroke.is_cased) {
     const cv::Scalar casing = stroke.color == ink::kBlack ? ink::kWhite : ink::kBlack;
-    for (const PixelLine& piece : pieces) Polyline(picture_, piece, casing, (stroke.width_px + 2.0) * unit_, closes);
+    for (const PixelLine& piece : pieces)
+      Polyline(picture_, piece, casing, (stroke.width_px + 2.0) * unit_, closes);
   }
-  for (const PixelLine& piece : pieces) Polyline(picture_, piece, stroke.color, stroke.width_px * unit_, closes);
+  for (const PixelLine& piece : pieces)
+    Polyline(picture_, piece, stroke.color, stroke.width_px * unit_, closes);
 }
 
 void Canvas::DrawArrow(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Stroke& stroke) {
@@ -109,11 +113,13 @@ void Canvas::Fill(const std::vector<PixelLine>& rings, const cv::Scalar& color, 
   cv::addWeighted(painted, opacity, ground, 1.0 - opacity, 0.0, ground);
 }
 
-void Canvas::Write(const cv::Point& left_of_baseline, const std::string& text, int font, double scale, int thickness) {
+void Canvas::Write(const cv::Point& left_of_baseline, const std::string& text, int font, double scale,
+                   int thickness) {
   cv::putText(picture_, text, left_of_baseline, font, scale, ink::kBlack, thickness, cv::LINE_AA);
 }
 
-void Canvas::DrawLabel(const Eigen::Vector2d& anchor, const std::string& text, const cv::Scalar& color, double size) {
+void Canvas::DrawLabel(const Eigen::Vector2d& anchor, const std::string& text, const cv::Scalar& color,
+                       double size) {
   const double scale = size * kFontScale * std::max(1.0, unit_);
   const int thickness = std::max(1, cvRound(1.2 * size * unit_));
   int baseline = 0;
@@ -133,7 +139,8 @@ void Canvas::DrawLabel(const Eigen::Vector2d& anchor, const std::string& text, c
 
 namespace {
 
-std::vector<std::string> Wrap(const std::vector<std::string>& lines, double scale, int thickness, int width_px) {
+std::vector<std::string> Wrap(const std::vector<std::string>& lines, double scale, int thickness,
+                              int width_px) {
   std::vector<std::string> wrapped;
   const auto fits = [&](const std::string& text) {
     int baseline = 0;
@@ -201,7 +208,8 @@ cv::Mat3b PlaceSideBySide(const std::vector<cv::Mat3b>& pictures, int height_px)
   return row;
 }
 
-std::vector<PixelLine> ProjectLine(const View& view, const std::vector<Eigen::Vector3d>& line_in_map_m, bool is_closed) {
+std::vector<PixelLine> ProjectLine(const View& view, const std::vector<Eigen::Vector3d>& line_in_map_m,
+                                   bool is_closed) {
   const Eigen::Vector3d forward = view.map_from_camera.rotation * Eigen::Vector3d::UnitZ();
   const auto depth_m = [&](const Eigen::Vector3d& p) {
     return forward.dot(p - view.map_from_camera.translation_m) - kNear_m;

@@ -8,7 +8,8 @@
 
 namespace soffit {
 
-/// Colours that colour-blind people can tell apart, also on grey (Okabe and Ito 2008), as OpenCV takes them (BGR).
+/// Colours that colour-blind people can tell apart, also on grey (Okabe and Ito 2008), as OpenCV takes them
+/// (BGR).
 namespace ink {
 inline const cv::Scalar kBlack(0, 0, 0);
 inline const cv::Scalar kWhite(255, 255, 255);
@@ -28,7 +29,7 @@ struct Stroke {
   cv::Scalar color = ink::kBlack;
   double width_px = 2.0;
   bool is_dashed = false;
-  bool is_cased = true;    ///< With a thin border that sets it off from any ground.
+  bool is_cased = true;  ///< With a thin border that sets it off from any ground.
 };
 
 struct LegendEntry {
@@ -48,10 +49,11 @@ class Canvas {
   void DrawDot(const Eigen::Vector2d& center, double radius_px, const cv::Scalar& color);
   void Fill(const std::vector<PixelLine>& rings, const cv::Scalar& color, double opacity);
   /// Text on a plate that keeps inside the picture; `anchor` is the middle of its lower edge.
-  void DrawLabel(const Eigen::Vector2d& anchor, const std::string& text, const cv::Scalar& color = ink::kBlack,
-                 double size = 1.0);
+  void DrawLabel(const Eigen::Vector2d& anchor, const std::string& text,
+                 const cv::Scalar& color = ink::kBlack, double size = 1.0);
 
-  void Write(const cv::Point& left_of_baseline, const std::string& text, int font, double scale, int thickness);
+  void Write(const cv::Point& left_of_baseline, const std::string& text, int font, double scale,
+             int thickness);
 
   double unit_px() const { return unit_; }
   cv::Size size() const { return picture_.size(); }
@@ -77,7 +79,8 @@ cv::Mat3b AddCaption(const Drawing& drawing);
 cv::Mat3b PlaceSideBySide(const std::vector<cv::Mat3b>& pictures, int height_px);
 
 /// What of a line in the map lies before the camera, in pixels: none or more connected pieces.
-std::vector<PixelLine> ProjectLine(const View& view, const std::vector<Eigen::Vector3d>& line_in_map_m, bool is_closed);
+std::vector<PixelLine> ProjectLine(const View& view, const std::vector<Eigen::Vector3d>& line_in_map_m,
+                                   bool is_closed);
 
 /// The part of a planar polygon that lies before the camera, in pixels; empty when none does.
 PixelLine ProjectPolygon(const View& view, const std::vector<Eigen::Vector3d>& ring_in_map_m);

@@ -90,7 +90,8 @@ class Overlay {
   void DrawCorridor(const ClearanceDecision& decision) {
     const bool is_clear = decision.verdict == Verdict::kClear;
     const Stroke& stroke = is_clear ? kClear : kRefused;
-    for (const auto& edge : BoxEdges(CorridorBox(*decision.corridor))) Draw3d({edge.first, edge.second}, stroke, false);
+    for (const auto& edge : BoxEdges(CorridorBox(*decision.corridor)))
+      Draw3d({edge.first, edge.second}, stroke, false);
     const Eigen::Vector3d& entry = decision.corridor->entry_in_map_m;
     const Eigen::Vector3d& exit = decision.corridor->exit_in_map_m;
     for (const PixelLine& line : ProjectLine(view_, {entry, exit}, false)) {

@@ -25,13 +25,14 @@ RayScene::~RayScene() = default;
 void RayScene::AddMesh(const Mesh& mesh, const cv::Vec3f& color) {
   if (mesh.triangles.empty()) return;
   RTCGeometry geometry = rtcNewGeometry(embree_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               3 * sizeof(float), mesh.vertices_in_map_m.size()));
+  auto* vertices =
+      static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                  3 * sizeof(float), mesh.vertices_in_map_m.size()));
   for (const Eigen::Vector3d& vertex : mesh.vertices_in_map_m) {
     for (int i = 0; i < 3; ++i) *vertices++ = static_cast<float>(vertex[i]);
   }
-  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                 3 * sizeof(unsigned), mesh.triangles.size()));
+  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
   for (const auto& triangle : mesh.triangles) {
     for (const int index : triangle) *indices++ = static_cast<unsigned>(index);
   }
@@ -55,14 +56,14 @@ void RayScene::AddBox(const Eigen::Vector3d& center, double edge_m, const cv::Ve
 void RayScene::AddTube(const std::vector<Eigen::Vector3d>& line, double radius_m, const cv::Vec3f& color) {
   if (line.size() < 2) return;
   RTCGeometry geometry = rtcNewGeometry(embree_->device, RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                                                               4 * sizeof(float), line.size()));
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), line.size()));
   for (const Eigen::Vector3d& point : line) {
     for (int i = 0; i < 3; ++i) *vertices++ = static_cast<float>(point[i]);
     *vertices++ = static_cast<float>(radius_m);
   }
-  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT,
-                                                                 sizeof(unsigned), line.size() - 1));
+  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, sizeof(unsigned), line.size() - 1));
   for (std::size_t i = 0; i + 1 < line.size(); ++i) *indices++ = static_cast<unsigned>(i);
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(embree_->scene, geometry, static_cast<unsigned>(colors_.size()));
@@ -89,7 +90,8 @@ RTCRay MakeRay(const Eigen::Vector3d& from, const Eigen::Vector3d& direction, do
 
 }  // namespace
 
-std::optional<RayScene::Hit> RayScene::Cast(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const {
+std::optional<RayScene::Hit> RayScene::Cast(const Eigen::Vector3d& from,
+                                            const Eigen::Vector3d& direction) const {
   RTCRayHit ray{};
   ray.ray = MakeRay(from, direction, std::numeric_limits<float>::infinity());
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -103,7 +105,8 @@ std::optional<RayScene::Hit> RayScene::Cast(const Eigen::Vector3d& from, const E
   return Hit{ray.ray.tfar, normal, colors_.at(ray.hit.geomID)};
 }
 
-bool RayScene::IsBlocked(const Eigen::Vector3d& from, const Eigen::Vector3d& direction, double distance_m) const {
+bool RayScene::IsBlocked(const Eigen::Vector3d& from, const Eigen::Vector3d& direction,
+                         double distance_m) const {
   RTCRay ray = MakeRay(from, direction, distance_m);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);

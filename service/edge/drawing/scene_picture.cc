@@ -15,11 +15,11 @@
 namespace soffit {
 namespace {
 
-constexpr int kGrid = 2;               // Rays per pixel and axis.
-constexpr int kSkyRays = 24;           // Directions in which the light of the sky is sampled, for each pixel.
+constexpr int kGrid = 2;      // Rays per pixel and axis.
+constexpr int kSkyRays = 24;  // Directions in which the light of the sky is sampled, for each pixel.
 constexpr double kElevation_rad = 0.45;
-constexpr double kBeside_rad = 0.65;   // The camera stands this far off the corridor's axis.
-constexpr double kFocal = 1.5;         // In picture widths.
+constexpr double kBeside_rad = 0.65;  // The camera stands this far off the corridor's axis.
+constexpr double kFocal = 1.5;        // In picture widths.
 
 const Stroke kEdge{{40, 40, 40}, 1.2, false, false};
 const Stroke kThrough{ink::kGreen, 2.5, false};
@@ -34,8 +34,8 @@ const cv::Vec3f kHorizon(1.0F, 0.99F, 0.97F);
 
 cv::Vec3f PaintOf(const std::string& color) {
   static const std::map<std::string, cv::Vec3f> kPaints = {
-      {"red", {0.25F, 0.28F, 0.80F}},   {"orange", {0.20F, 0.55F, 0.90F}},  {"yellow", {0.30F, 0.80F, 0.92F}},
-      {"green", {0.35F, 0.68F, 0.35F}}, {"cyan", {0.75F, 0.75F, 0.30F}},    {"blue", {0.78F, 0.45F, 0.25F}},
+      {"red", {0.25F, 0.28F, 0.80F}},    {"orange", {0.20F, 0.55F, 0.90F}}, {"yellow", {0.30F, 0.80F, 0.92F}},
+      {"green", {0.35F, 0.68F, 0.35F}},  {"cyan", {0.75F, 0.75F, 0.30F}},   {"blue", {0.78F, 0.45F, 0.25F}},
       {"magenta", {0.65F, 0.35F, 0.75F}}};
   const auto found = kPaints.find(color);
   return found == kPaints.end() ? cv::Vec3f(0.6F, 0.6F, 0.6F) : found->second;
@@ -51,12 +51,14 @@ std::vector<Eigen::Vector3d> SkyDirections() {
   for (int i = 0; i < kSkyRays; ++i) {
     const double radius = std::sqrt((i + 0.5) / kSkyRays);
     const double angle = i * std::numbers::pi * (3.0 - std::sqrt(5.0));
-    directions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), std::sqrt(1.0 - radius * radius));
+    directions.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
+                            std::sqrt(1.0 - radius * radius));
   }
   return directions;
 }
 
-/// Which of the sky's directions one ray of a pixel takes, turned differently in each pixel so that no bands show.
+/// Which of the sky's directions one ray of a pixel takes, turned differently in each pixel so that no bands
+/// show.
 struct SkySample {
   int first;
   double turn_rad;
@@ -75,7 +77,8 @@ struct Glass {
   cv::Vec3f color;
 
   /// Where the ray goes in and out.
-  std::optional<std::pair<double, double>> Meet(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const {
+  std::optional<std::pair<double, double>> Meet(const Eigen::Vector3d& from,
+                                                const Eigen::Vector3d& direction) const {
     double in = -std::numeric_limits<double>::infinity();
     double out = std::numeric_limits<double>::infinity();
     for (const std::size_t neighbour : {1U, 3U, 4U}) {
@@ -96,9 +99,13 @@ class ScenePicture {
  public:
   ScenePicture(const Understanding& all, const std::vector<Observation>& observations,
                const std::vector<Eigen::Vector3d>& track, const cv::Size& size)
-      : all_(all), observations_(observations), track_(track), shown_(ChooseShownDecisions(all.decisions)),
+      : all_(all),
+        observations_(observations),
+        track_(track),
+        shown_(ChooseShownDecisions(all.decisions)),
         focus_(Focus()),
-        unit_m_(focus_.sizes().maxCoeff() / 100.0), view_(ChooseView(size)) {
+        unit_m_(focus_.sizes().maxCoeff() / 100.0),
+        view_(ChooseView(size)) {
     for (const Solid& solid : all.scene.solids) {
       const cv::Vec3f paint = PaintOf(solid.footprint.color);
       const bool is_wanted = IsWanted(solid.footprint.object_id);
@@ -121,14 +128,16 @@ class ScenePicture {
     DrawLines(canvas);
     std::vector<std::string> lines;
     for (const ClearanceDecision& decision : all_.decisions) lines.push_back(Describe(decision));
-    return {canvas.picture(), "Enriched scene", lines,
-                      {{kThrough, "opening, goes through"},
-                       {kRecess, "opening, a recess"},
-                       {kClear, "corridor, CLEAR"},
-                       {kRefused, "corridor, refused"},
-                       {kTrack, "flown track"},
-                       {kCamera, "camera of a picture"},
-                       {{ink::kVermilion, 8.0, false}, "occupied beside the models"}}};
+    return {canvas.picture(),
+            "Enriched scene",
+            lines,
+            {{kThrough, "opening, goes through"},
+             {kRecess, "opening, a recess"},
+             {kClear, "corridor, CLEAR"},
+             {kRefused, "corridor, refused"},
+             {kTrack, "flown track"},
+             {kCamera, "camera of a picture"},
+             {{ink::kVermilion, 8.0, false}, "occupied beside the models"}}};
   }
 
  private:
@@ -172,8 +181,13 @@ class ScenePicture {
 
   View ChooseView(const cv::Size& size) const {
     View view;
-    view.intrinsics = {size.width, size.height, kFocal * size.width, kFocal * size.width,
-                       (size.width - 1) / 2.0, (size.height - 1) / 2.0, {}};
+    view.intrinsics = {size.width,
+                       size.height,
+                       kFocal * size.width,
+                       kFocal * size.width,
+                       (size.width - 1) / 2.0,
+                       (size.height - 1) / 2.0,
+                       {}};
     view.map_from_camera.rotation = CameraAttitude(ChooseYaw(), -kElevation_rad);
     const Eigen::Vector3d forward = view.map_from_camera.rotation * Eigen::Vector3d::UnitZ();
     for (double distance_m = focus_.sizes().norm();; distance_m *= 1.05) {
@@ -193,7 +207,8 @@ class ScenePicture {
   /// Occupied space that no model accounts for: obstacles.
   void AddObstacles() {
     const octomap::OcTree& octree = *all_.scene.octree;
-    const octomap::point3d low(static_cast<float>(focus_.min().x()), static_cast<float>(focus_.min().y()), 0.0F);
+    const octomap::point3d low(static_cast<float>(focus_.min().x()), static_cast<float>(focus_.min().y()),
+                               0.0F);
     const octomap::point3d high(static_cast<float>(focus_.max().x()), static_cast<float>(focus_.max().y()),
                                 static_cast<float>(focus_.max().z() + 1.0));
     for (auto leaf = octree.begin_leafs_bbx(low, high); leaf != octree.end_leafs_bbx(); ++leaf) {
@@ -233,7 +248,8 @@ class ScenePicture {
   }
 
   bool IsShaded(const Eigen::Vector3d& from, const Eigen::Vector3d& direction, double distance_m) const {
-    return solids_.IsBlocked(from, direction, distance_m) || obstacles_.IsBlocked(from, direction, distance_m);
+    return solids_.IsBlocked(from, direction, distance_m) ||
+           obstacles_.IsBlocked(from, direction, distance_m);
   }
 
   /// The nearest thing on a ray, the ground included.
@@ -249,7 +265,8 @@ class ScenePicture {
     return RayScene::Hit{ground_m, Eigen::Vector3d::UnitZ(), ColorOfGround(from + ground_m * direction)};
   }
 
-  cv::Vec3f Shade(const Eigen::Vector3d& from, const Eigen::Vector3d& direction, const SkySample& sample) const {
+  cv::Vec3f Shade(const Eigen::Vector3d& from, const Eigen::Vector3d& direction,
+                  const SkySample& sample) const {
     const auto hit = Cast(from, direction);
     cv::Vec3f color = kHorizon;
     double opaque_m = std::numeric_limits<double>::infinity();
@@ -271,7 +288,8 @@ class ScenePicture {
     return color;
   }
 
-  double SkyLight(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, const SkySample& sample) const {
+  double SkyLight(const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+                  const SkySample& sample) const {
     const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal) *
                                     Eigen::AngleAxisd(sample.turn_rad, Eigen::Vector3d::UnitZ());
     double light = 0.0;
@@ -294,7 +312,8 @@ class ScenePicture {
       }
     };
     std::vector<std::jthread> helpers;
-    for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) helpers.emplace_back(work);
+    for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
+      helpers.emplace_back(work);
     work();
     helpers.clear();
     return picture;
@@ -308,7 +327,8 @@ class ScenePicture {
                    {i, 2.0 * std::numbers::pi * NoiseOf(x, y)});
     }
     const cv::Vec3f mean = sum * (255.0F / (kGrid * kGrid));
-    return {cv::saturate_cast<uchar>(mean[0]), cv::saturate_cast<uchar>(mean[1]), cv::saturate_cast<uchar>(mean[2])};
+    return {cv::saturate_cast<uchar>(mean[0]), cv::saturate_cast<uchar>(mean[1]),
+            cv::saturate_cast<uchar>(mean[2])};
   }
 
   bool IsVisible(const Eigen::Vector3d& point) const {
@@ -317,8 +337,10 @@ class ScenePicture {
     return !solids_.IsBlocked(eye, (point - eye) / distance_m, distance_m - 0.3 * unit_m_);
   }
 
-  /// Draws a line in space: as `stroke` where it is seen; where a model hides it, dashed and thin or not at all.
-  void Draw3d(Canvas& canvas, const std::vector<Eigen::Vector3d>& line, const Stroke& stroke, bool shows_hidden) const {
+  /// Draws a line in space: as `stroke` where it is seen; where a model hides it, dashed and thin or not at
+  /// all.
+  void Draw3d(Canvas& canvas, const std::vector<Eigen::Vector3d>& line, const Stroke& stroke,
+              bool shows_hidden) const {
     PixelLine run;
     bool run_is_visible = true;
     const auto finish = [&] {
@@ -381,7 +403,8 @@ class ScenePicture {
       return (camera.map_from_camera * Point<Camera>{depth_m * ray}).xyz_m;
     };
     const Eigen::Vector3d& eye = camera.map_from_camera.translation_m;
-    const Ring3 frame = {corner(0, 0), corner(k.width_px, 0), corner(k.width_px, k.height_px), corner(0, k.height_px)};
+    const Ring3 frame = {corner(0, 0), corner(k.width_px, 0), corner(k.width_px, k.height_px),
+                         corner(0, k.height_px)};
     for (std::size_t i = 0; i < 4; ++i) {
       Draw3d(canvas, {eye, frame[i], frame[(i + 1) % 4]}, kCamera, false);
     }
@@ -394,7 +417,9 @@ class ScenePicture {
     std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> creases;
     const auto& vertices = mesh.vertices_in_map_m;
     for (const auto& triangle : mesh.triangles) {
-      const auto at = [&](int i) { return vertices[static_cast<std::size_t>(triangle[static_cast<std::size_t>(i)])]; };
+      const auto at = [&](int i) {
+        return vertices[static_cast<std::size_t>(triangle[static_cast<std::size_t>(i)])];
+      };
       const Eigen::Vector3d normal = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
       for (int i = 0; i < 3; ++i) {
         const int a = triangle[static_cast<std::size_t>(i)];
@@ -411,7 +436,7 @@ class ScenePicture {
   const std::vector<Eigen::Vector3d>& track_;
   std::vector<ClearanceDecision> shown_;
   Eigen::AlignedBox3d focus_;
-  double unit_m_;                         ///< A hundredth of what is shown: the measure of line widths and offsets.
+  double unit_m_;  ///< A hundredth of what is shown: the measure of line widths and offsets.
   View view_;
   RayScene solids_;
   RayScene obstacles_;
@@ -424,7 +449,7 @@ class ScenePicture {
 }  // namespace
 
 Drawing DrawScenePicture(const Understanding& understanding, const std::vector<Observation>& observations,
-                           const std::vector<Eigen::Vector3d>& track_in_map_m, const cv::Size& size_px) {
+                         const std::vector<Eigen::Vector3d>& track_in_map_m, const cv::Size& size_px) {
   return ScenePicture(understanding, observations, track_in_map_m, size_px).Draw();
 }
 

@@ -63,12 +63,13 @@ std::vector<ClearanceDecision> ChooseShownDecisions(const std::vector<ClearanceD
   for (const ClearanceDecision& decision : sorted) {
     if (!decision.corridor || !(decision.corridor->free_width_m > 0.0)) continue;
     const Corridor& corridor = *decision.corridor;
-    const bool is_known = std::any_of(shown.begin(), shown.end(), [&corridor](const ClearanceDecision& other) {
-      const double near_m = corridor.free_width_m / 2.0;
-      const Corridor& back = *other.corridor;
-      return (back.entry_in_map_m - corridor.exit_in_map_m).norm() < near_m &&
-             (back.exit_in_map_m - corridor.entry_in_map_m).norm() < near_m;
-    });
+    const bool is_known =
+        std::any_of(shown.begin(), shown.end(), [&corridor](const ClearanceDecision& other) {
+          const double near_m = corridor.free_width_m / 2.0;
+          const Corridor& back = *other.corridor;
+          return (back.entry_in_map_m - corridor.exit_in_map_m).norm() < near_m &&
+                 (back.exit_in_map_m - corridor.entry_in_map_m).norm() < near_m;
+        });
     if (!is_known) shown.push_back(decision);
   }
   return shown;

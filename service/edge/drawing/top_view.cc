@@ -33,7 +33,10 @@ class TopView {
  public:
   TopView(const Understanding& all, const std::vector<Observation>& observations,
           const std::vector<Eigen::Vector3d>& track)
-      : all_(all), observations_(observations), track_(track), box_(Frame()),
+      : all_(all),
+        observations_(observations),
+        track_(track),
+        box_(Frame()),
         px_per_m_(kLongSide_px / box_.sizes().maxCoeff()),
         canvas_(DrawOccupancy()) {}
 
@@ -48,21 +51,25 @@ class TopView {
     std::vector<std::string> lines;
     for (const ClearanceDecision& decision : all_.decisions) lines.push_back(Describe(decision));
     for (const std::string& problem : all_.problems) lines.push_back(problem);
-    return {canvas_.picture(), "Scene from above, north up; occupancy at " + FormatNumber(SliceHeight(), 2) + " m",
-                      lines, Legend()};
+    return {canvas_.picture(),
+            "Scene from above, north up; occupancy at " + FormatNumber(SliceHeight(), 2) + " m", lines,
+            Legend()};
   }
 
  private:
   static const std::vector<LegendEntry>& Legend() {
-    static const std::vector<LegendEntry> legend = {
-        {kBuilding, "building"},        {kWanted, "wanted building"},
-        {kThrough, "opening, through"}, {kRecess, "opening, a recess"},
-        {kClear, "corridor, CLEAR"},    {kRefused, "corridor, refused"},
-        {kTrack, "flown track"},        {kCamera, "where a picture was taken"},
-        {kWantedView, "picture that would settle it"},
-        {{ToScalar(kFree), 8.0, false}, "seen to be free"},
-        {{ToScalar(kUnknown), 8.0, false}, "unknown"},
-        {{ToScalar(kOccupied), 8.0, false}, "occupied"}};
+    static const std::vector<LegendEntry> legend = {{kBuilding, "building"},
+                                                    {kWanted, "wanted building"},
+                                                    {kThrough, "opening, through"},
+                                                    {kRecess, "opening, a recess"},
+                                                    {kClear, "corridor, CLEAR"},
+                                                    {kRefused, "corridor, refused"},
+                                                    {kTrack, "flown track"},
+                                                    {kCamera, "where a picture was taken"},
+                                                    {kWantedView, "picture that would settle it"},
+                                                    {{ToScalar(kFree), 8.0, false}, "seen to be free"},
+                                                    {{ToScalar(kUnknown), 8.0, false}, "unknown"},
+                                                    {{ToScalar(kOccupied), 8.0, false}, "occupied"}};
     return legend;
   }
 
@@ -111,7 +118,8 @@ class TopView {
     const octomap::OcTree& octree = *all_.scene.octree;
     const double z = SliceHeight();
     const auto color_at = [&](int x, int y) {
-      const octomap::OcTreeNode* node = octree.search(box_.min().x() + x / px_per_m_, box_.max().y() - y / px_per_m_, z);
+      const octomap::OcTreeNode* node =
+          octree.search(box_.min().x() + x / px_per_m_, box_.max().y() - y / px_per_m_, z);
       if (node == nullptr) return kUnknown;
       return octree.isNodeOccupied(node) ? kOccupied : kFree;
     };
@@ -130,8 +138,9 @@ class TopView {
     for (const PixelLine& ring : rings) canvas_.DrawLine(ring, stroke, true);
     std::string text = std::to_string(object.footprint.object_id);
     if (object.footprint.height_m > 0.0) text += "  h " + FormatNumber(object.footprint.height_m, 2) + " m";
-    const Eigen::Vector2d north = *std::max_element(polygon.outer.begin(), polygon.outer.end(),
-                                                    [](const auto& a, const auto& b) { return a.y() < b.y(); });
+    const Eigen::Vector2d north =
+        *std::max_element(polygon.outer.begin(), polygon.outer.end(),
+                          [](const auto& a, const auto& b) { return a.y() < b.y(); });
     canvas_.DrawLabel(ToPixel(north) - Eigen::Vector2d(0.0, 6.0), text, stroke.color);
   }
 
@@ -190,11 +199,14 @@ class TopView {
   void DrawScaleBar() {
     const double wanted_m = box_.sizes().x() / 5.0;
     const double decade = std::pow(10.0, std::floor(std::log10(wanted_m)));
-    const double length_m = wanted_m >= 5.0 * decade ? 5.0 * decade : wanted_m >= 2.0 * decade ? 2.0 * decade : decade;
+    const double length_m = wanted_m >= 5.0 * decade   ? 5.0 * decade
+                            : wanted_m >= 2.0 * decade ? 2.0 * decade
+                                                       : decade;
     const Eigen::Vector2d from(20.0, canvas_.size().height - 20.0);
     const Eigen::Vector2d to = from + Eigen::Vector2d(length_m * px_per_m_, 0.0);
     canvas_.DrawLine({from, to}, {ink::kBlack, 4.0, false});
-    canvas_.DrawLabel((from + to) / 2.0 - Eigen::Vector2d(0.0, 6.0), FormatNumber(length_m, length_m < 1.0 ? 1 : 0) + " m");
+    canvas_.DrawLabel((from + to) / 2.0 - Eigen::Vector2d(0.0, 6.0),
+                      FormatNumber(length_m, length_m < 1.0 ? 1 : 0) + " m");
     canvas_.DrawArrow({30.0, 70.0}, {30.0, 25.0}, {ink::kBlack, 3.0, false});
     canvas_.DrawLabel({30.0, 100.0}, "N");
   }
@@ -210,7 +222,7 @@ class TopView {
 }  // namespace
 
 Drawing DrawTopView(const Understanding& understanding, const std::vector<Observation>& observations,
-                      const std::vector<Eigen::Vector3d>& track_in_map_m) {
+                    const std::vector<Eigen::Vector3d>& track_in_map_m) {
   return TopView(understanding, observations, track_in_map_m).Draw();
 }
 

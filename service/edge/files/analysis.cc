@@ -15,7 +15,8 @@ std::vector<std::optional<Result<Observation>>> ObserveAll(const std::vector<Cap
     for (std::size_t i = next++; i < captures.size(); i = next++) seen[i] = Observe(captures[i], options);
   };
   std::vector<std::jthread> helpers;
-  const std::size_t threads = std::min<std::size_t>(captures.size(), std::max(1U, std::thread::hardware_concurrency()));
+  const std::size_t threads =
+      std::min<std::size_t>(captures.size(), std::max(1U, std::thread::hardware_concurrency()));
   for (std::size_t i = 1; i < threads; ++i) helpers.emplace_back(work);
   work();
   helpers.clear();
@@ -24,7 +25,8 @@ std::vector<std::optional<Result<Observation>>> ObserveAll(const std::vector<Cap
 
 }  // namespace
 
-Result<Analysis> Analyze(const Survey& survey, const Reference& reference, const PipelineOptions& options) try {
+Result<Analysis> Analyze(const Survey& survey, const Reference& reference,
+                         const PipelineOptions& options) try {
   Analysis analysis;
   std::vector<std::string> problems;
   for (std::optional<Result<Observation>>& seen : ObserveAll(survey.captures, options)) {
@@ -35,10 +37,12 @@ Result<Analysis> Analyze(const Survey& survey, const Reference& reference, const
     }
   }
   if (analysis.observations.empty()) {
-    return InvalidInput("no picture of the survey can be used: " + (problems.empty() ? "it has none" : problems.front()));
+    return InvalidInput("no picture of the survey can be used: " +
+                        (problems.empty() ? "it has none" : problems.front()));
   }
   analysis.understanding = Understand(analysis.observations, reference, survey.vehicle, 1, options);
-  problems.insert(problems.end(), analysis.understanding.problems.begin(), analysis.understanding.problems.end());
+  problems.insert(problems.end(), analysis.understanding.problems.begin(),
+                  analysis.understanding.problems.end());
   analysis.understanding.problems = std::move(problems);
   return analysis;
 } catch (const std::exception& failure) {

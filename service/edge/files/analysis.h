@@ -7,12 +7,12 @@
 namespace soffit {
 
 struct Analysis {
-  std::vector<Observation> observations;   ///< Of the pictures that could be used, in the order of the survey.
-  Understanding understanding;             ///< Its `problems` name the pictures that could not.
+  std::vector<Observation> observations;  ///< Of the pictures that could be used, in the order of the survey.
+  Understanding understanding;            ///< Its `problems` name the pictures that could not.
 };
 
-/// Runs the service's stages on a survey, pictures in parallel; the answer does not depend on the number of threads.
-/// An error when no picture can be used.
+/// Runs the service's stages on a survey, pictures in parallel; the answer does not depend on the number of
+/// threads. An error when no picture can be used.
 Result<Analysis> Analyze(const Survey& survey, const Reference& reference, const PipelineOptions& options);
 
 }  // namespace soffit

@@ -41,7 +41,8 @@ Json SurfaceTypes() {
                       {{"type", "OuterFloorSurface"}}});
 }
 
-Surface Classify(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, double height_m) {
+Surface Classify(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                 double height_m) {
   const double up = (b - a).cross(c - a).normalized().z();
   const double z = (a.z() + b.z() + c.z()) / 3.0;
   if (up > kLevelNormal) return z > 0.98 * height_m ? kRoof : kFloor;
@@ -115,7 +116,8 @@ std::string ToCityJson(const Scene& scene) {
     }
     objects[std::to_string(footprint.object_id)] = {
         {"type", "Building"},
-        {"attributes", {{"color", footprint.color}, {"height_m", footprint.height_m}, {"matched", object.is_matched}}},
+        {"attributes",
+         {{"color", footprint.color}, {"height_m", footprint.height_m}, {"matched", object.is_matched}}},
         {"geometry", geometry}};
   }
   const Json city = {{"type", "CityJSON"},

@@ -15,7 +15,8 @@ Result<std::vector<std::uint8_t>> ReadFile(const std::filesystem::path& file, st
 /// Replaces `file` as a whole: readers see the old content or the new one, never a part. Makes its folder.
 Status WriteFile(const std::filesystem::path& file, std::string_view content);
 
-/// A path to hand to a library that writes by itself; `CommitFile` then puts the finished file into its place.
+/// A path to hand to a library that writes by itself; `CommitFile` then puts the finished file into its
+/// place.
 std::filesystem::path PartOf(const std::filesystem::path& file);
 Status CommitFile(const std::filesystem::path& file);
 

@@ -49,8 +49,10 @@ Result<std::vector<Eigen::Vector3d>> ReadTrackFile(const fs::path& file) {
   const std::vector<std::string> header = SplitCells(line);
   std::array<std::size_t, 3> columns{};
   for (std::size_t i = 0; i < 3; ++i) {
-    columns[i] = static_cast<std::size_t>(std::find(header.begin(), header.end(), kColumns[i]) - header.begin());
-    if (columns[i] == header.size()) return InvalidInput(file.string() + ": line 1: no column " + kColumns[i]);
+    columns[i] =
+        static_cast<std::size_t>(std::find(header.begin(), header.end(), kColumns[i]) - header.begin());
+    if (columns[i] == header.size())
+      return InvalidInput(file.string() + ": line 1: no column " + kColumns[i]);
   }
   std::vector<Eigen::Vector3d> track;
   for (int number = 2; std::getline(lines, line); ++number) {
@@ -58,9 +60,11 @@ Result<std::vector<Eigen::Vector3d>> ReadTrackFile(const fs::path& file) {
     const std::vector<std::string> cells = SplitCells(line);
     Eigen::Vector3d point;
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::optional<double> value = columns[i] < cells.size() ? ToNumber(cells[columns[i]]) : std::nullopt;
+      const std::optional<double> value =
+          columns[i] < cells.size() ? ToNumber(cells[columns[i]]) : std::nullopt;
       if (!value) {
-        return InvalidInput(file.string() + ": line " + std::to_string(number) + ": " + kColumns[i] + " is no number");
+        return InvalidInput(file.string() + ": line " + std::to_string(number) + ": " + kColumns[i] +
+                            " is no number");
       }
       point[static_cast<Eigen::Index>(i)] = *value;
     }

@@ -80,8 +80,12 @@ class Layer {
 
 void AddBuildings(GDALDataset& dataset, OGRSpatialReference& frame, const Scene& scene) {
   Layer layer(dataset, "buildings", frame, wkbPolygon25D,
-              {{"object", OFTInteger}, {"color", OFTString}, {"height_m", OFTReal}, {"height_std_m", OFTReal},
-               {"matched", OFTInteger}, {"score", OFTReal}});
+              {{"object", OFTInteger},
+               {"color", OFTString},
+               {"height_m", OFTReal},
+               {"height_std_m", OFTReal},
+               {"matched", OFTInteger},
+               {"score", OFTReal}});
   for (const SceneObject& object : scene.objects) {
     const Footprint& footprint = object.footprint;
     std::vector<std::vector<Eigen::Vector3d>> rings;
@@ -92,8 +96,9 @@ void AddBuildings(GDALDataset& dataset, OGRSpatialReference& frame, const Scene&
     };
     add(footprint.polygon_in_map_m.outer);
     for (const Ring& hole : footprint.polygon_in_map_m.holes) add(hole);
-    layer.Add(ToPolygon(rings), static_cast<int>(footprint.object_id), footprint.color.c_str(), footprint.height_m,
-              footprint.height_std_m, object.is_matched ? 1 : 0, object.is_matched ? object.match.score : 0.0);
+    layer.Add(ToPolygon(rings), static_cast<int>(footprint.object_id), footprint.color.c_str(),
+              footprint.height_m, footprint.height_std_m, object.is_matched ? 1 : 0,
+              object.is_matched ? object.match.score : 0.0);
   }
 }
 
@@ -102,16 +107,21 @@ void AddOpenings(GDALDataset& dataset, OGRSpatialReference& frame, const Scene& 
               {{"object", OFTInteger}, {"wall", OFTInteger}, {"through", OFTInteger}, {"depth_m", OFTReal}});
   for (const Solid& solid : scene.solids) {
     for (const SolidOpening& opening : solid.openings) {
-      layer.Add(ToPolygon({opening.polygon_in_map_m}), static_cast<int>(solid.footprint.object_id), opening.wall,
-                opening.is_through ? 1 : 0, opening.depth_m);
+      layer.Add(ToPolygon({opening.polygon_in_map_m}), static_cast<int>(solid.footprint.object_id),
+                opening.wall, opening.is_through ? 1 : 0, opening.depth_m);
     }
   }
 }
 
-void AddDecisions(GDALDataset& dataset, OGRSpatialReference& frame, const std::vector<ClearanceDecision>& decisions) {
+void AddDecisions(GDALDataset& dataset, OGRSpatialReference& frame,
+                  const std::vector<ClearanceDecision>& decisions) {
   Layer layer(dataset, "decisions", frame, wkbLineString25D,
-              {{"object", OFTInteger}, {"side", OFTInteger}, {"decision", OFTString}, {"reason", OFTString},
-               {"free_width_m", OFTReal}, {"free_height_m", OFTReal}});
+              {{"object", OFTInteger},
+               {"side", OFTInteger},
+               {"decision", OFTString},
+               {"reason", OFTString},
+               {"free_width_m", OFTReal},
+               {"free_height_m", OFTReal}});
   for (const ClearanceDecision& decision : decisions) {
     const auto id = static_cast<int>(decision.object_id);
     const char* verdict = ToString(decision.verdict);
@@ -125,7 +135,8 @@ void AddDecisions(GDALDataset& dataset, OGRSpatialReference& frame, const std::v
   }
 }
 
-void AddViewpoints(GDALDataset& dataset, OGRSpatialReference& frame, const std::vector<Observation>& observations) {
+void AddViewpoints(GDALDataset& dataset, OGRSpatialReference& frame,
+                   const std::vector<Observation>& observations) {
   Layer layer(dataset, "viewpoints", frame, wkbPoint25D,
               {{"capture", OFTInteger}, {"file", OFTString}, {"purpose", OFTString}});
   for (const Observation& seen : observations) {

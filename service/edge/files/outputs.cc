@@ -8,7 +8,8 @@
 
 namespace soffit {
 
-Status WriteOutputs(const std::filesystem::path& folder, const Analysis& analysis, const FlightRecord& flight) {
+Status WriteOutputs(const std::filesystem::path& folder, const Analysis& analysis,
+                    const FlightRecord& flight) {
   const auto& [observations, understanding] = analysis;
   Status status = WriteFile(folder / "scene.city.json", ToCityJson(understanding.scene));
   if (status.ok()) status = WriteGeoPackage(folder / "scene.gpkg", understanding, observations, flight);

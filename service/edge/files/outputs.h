@@ -8,8 +8,9 @@
 
 namespace soffit {
 
-/// Everything that other programs read: `result.json`, `models/`, `scene.bt`, `scene.city.json`, `scene.gpkg`; and with
-/// `WritePictures` what people look at.
-Status WriteOutputs(const std::filesystem::path& folder, const Analysis& analysis, const FlightRecord& flight);
+/// Everything that other programs read: `result.json`, `models/`, `scene.bt`, `scene.city.json`,
+/// `scene.gpkg`; and with `WritePictures` what people look at.
+Status WriteOutputs(const std::filesystem::path& folder, const Analysis& analysis,
+                    const FlightRecord& flight);
 
 }  // namespace soffit

@@ -24,11 +24,13 @@ Status WritePicture(const fs::path& file, const cv::Mat3b& picture) {
   return WriteFile(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-/// The picture that tells most: of a wall that a decision was made about, else of any wall, else the first one.
+/// The picture that tells most: of a wall that a decision was made about, else of any wall, else the first
+/// one.
 std::size_t MostTelling(const Understanding& understanding, const std::vector<Observation>& observations) {
   const auto rank = [&](const Observation& seen) {
     const bool is_evidence = std::any_of(
-        understanding.decisions.begin(), understanding.decisions.end(), [&](const ClearanceDecision& decision) {
+        understanding.decisions.begin(), understanding.decisions.end(),
+        [&](const ClearanceDecision& decision) {
           return std::count(decision.evidence.begin(), decision.evidence.end(), seen.image.capture_id) > 0;
         });
     return (seen.image.purpose == Purpose::kWall ? 2 : 0) + (is_evidence ? 1 : 0);
@@ -61,7 +63,8 @@ Status WritePictures(const fs::path& folder, const Understanding& understanding,
   const Drawing scene = DrawScenePicture(understanding, observations, flight.track_in_map_m, kScene_px);
   if (Status status = WritePicture(folder / "top_view.png", AddCaption(map)); !status.ok()) return status;
   if (Status status = WritePicture(folder / "scene.png", AddCaption(scene)); !status.ok()) return status;
-  return WritePicture(folder / "summary.png", PlaceSideBySide({shown, map.picture, scene.picture}, kSummaryHeight_px));
+  return WritePicture(folder / "summary.png",
+                      PlaceSideBySide({shown, map.picture, scene.picture}, kSummaryHeight_px));
 }
 
 }  // namespace soffit

@@ -12,8 +12,8 @@ namespace soffit {
 /// Name of the overlay of a picture, relative to the result's folder: "overlay/wall_0.jpg".
 std::string OverlayFile(const Image& image);
 
-/// Writes overlay/*.jpg, top_view.png, scene.png (three dimensions) and summary.png (a picture with its overlay, the map
-/// and the scene, side by side).
+/// Writes overlay/*.jpg, top_view.png, scene.png (three dimensions) and summary.png (a picture with its
+/// overlay, the map and the scene, side by side).
 Status WritePictures(const std::filesystem::path& folder, const Understanding& understanding,
                      const std::vector<Observation>& observations, const FlightRecord& flight);
 

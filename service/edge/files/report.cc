@@ -30,11 +30,20 @@ std::string Escape(const std::string& text) {
   std::string safe;
   for (const char c : text) {
     switch (c) {
-      case '&': safe += "&amp;"; break;
-      case '<': safe += "&lt;"; break;
-      case '>': safe += "&gt;"; break;
-      case '"': safe += "&quot;"; break;
-      default: safe += c;
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
     }
   }
   return safe;
@@ -53,8 +62,8 @@ std::string Table(const Row& header, const std::vector<Row>& rows) {
 }
 
 std::string Figure(const std::string& file, const std::string& caption) {
-  return "<figure><a href=\"" + Escape(file) + "\"><img src=\"" + Escape(file) + "\" alt=\"" + Escape(caption) +
-         "\"></a><figcaption>" + Escape(caption) + "</figcaption></figure>\n";
+  return "<figure><a href=\"" + Escape(file) + "\"><img src=\"" + Escape(file) + "\" alt=\"" +
+         Escape(caption) + "\"></a><figcaption>" + Escape(caption) + "</figcaption></figure>\n";
 }
 
 std::string Badge(Verdict verdict) {
@@ -105,30 +114,42 @@ std::string JsonTables(const Json& json) {
 std::string Decisions(const Understanding& all) {
   std::vector<Row> rows;
   for (const ClearanceDecision& decision : all.decisions) {
-    Row row = {std::to_string(decision.object_id), decision.side < 0 ? "all" : std::to_string(decision.side),
-               Badge(decision.verdict), Escape(decision.reason), "", "", ""};
+    Row row = {std::to_string(decision.object_id),
+               decision.side < 0 ? "all" : std::to_string(decision.side),
+               Badge(decision.verdict),
+               Escape(decision.reason),
+               "",
+               "",
+               ""};
     if (decision.corridor) {
-      row[4] = FormatNumber(decision.corridor->free_width_m, 2) + " x " + FormatNumber(decision.corridor->free_height_m, 2);
-      row[5] = FormatNumber(decision.margin_left_m, 2) + ", " + FormatNumber(decision.margin_right_m, 2) + ", " +
-               FormatNumber(decision.margin_up_m, 2) + ", " + FormatNumber(decision.margin_down_m, 2);
+      row[4] = FormatNumber(decision.corridor->free_width_m, 2) + " x " +
+               FormatNumber(decision.corridor->free_height_m, 2);
+      row[5] = FormatNumber(decision.margin_left_m, 2) + ", " + FormatNumber(decision.margin_right_m, 2) +
+               ", " + FormatNumber(decision.margin_up_m, 2) + ", " + FormatNumber(decision.margin_down_m, 2);
     }
-    for (const std::uint32_t capture : decision.evidence) row[6] += (row[6].empty() ? "" : ", ") + std::to_string(capture);
+    for (const std::uint32_t capture : decision.evidence)
+      row[6] += (row[6].empty() ? "" : ", ") + std::to_string(capture);
     rows.push_back(row);
   }
   if (rows.empty()) return "<p>No decision was made.</p>\n";
   return Table({"building", "side", "decision", "reason", "free width x height [m]",
-                "margins left, right, up, down [m]", "pictures"}, rows);
+                "margins left, right, up, down [m]", "pictures"},
+               rows);
 }
 
 std::string Buildings(const Scene& scene) {
   std::vector<Row> rows;
   for (const SceneObject& object : scene.objects) {
     const Footprint& footprint = object.footprint;
-    Row row = {std::to_string(footprint.object_id), Escape(footprint.color),
+    Row row = {std::to_string(footprint.object_id),
+               Escape(footprint.color),
                std::to_string(footprint.polygon_in_map_m.outer.size()),
                footprint.height_m > 0.0 ? FormatNumber(footprint.height_m, 2) + " &plusmn; " +
-                                              FormatNumber(footprint.height_std_m, 2) : "not known",
-               object.is_matched ? "wanted" : "", "", ""};
+                                              FormatNumber(footprint.height_std_m, 2)
+                                        : "not known",
+               object.is_matched ? "wanted" : "",
+               "",
+               ""};
     if (object.is_matched) {
       row[5] = FormatNumber(object.match.score, 3) + "; " +
                FormatNumber(object.match.rotation_cw_rad * 180.0 / std::numbers::pi, 1) + " deg clockwise; " +
@@ -137,12 +158,13 @@ std::string Buildings(const Scene& scene) {
     for (const Solid& solid : scene.solids) {
       if (solid.footprint.object_id != footprint.object_id) continue;
       const std::string id = std::to_string(footprint.object_id);
-      row[6] = "<a href=\"models/" + id + ".obj\">model</a>, " + FormatNumber(solid.volume_m3, 2) + " m<sup>3</sup>, " +
-               std::to_string(solid.openings.size()) + " openings";
+      row[6] = "<a href=\"models/" + id + ".obj\">model</a>, " + FormatNumber(solid.volume_m3, 2) +
+               " m<sup>3</sup>, " + std::to_string(solid.openings.size()) + " openings";
     }
     rows.push_back(row);
   }
-  return Table({"building", "colour", "corners", "height [m]", "", "match: score, rotation, scale", "model"}, rows);
+  return Table({"building", "colour", "corners", "height [m]", "", "match: score, rotation, scale", "model"},
+               rows);
 }
 
 }  // namespace
@@ -151,18 +173,22 @@ Status WriteReport(const std::filesystem::path& folder, const Understanding& und
                    const std::vector<Observation>& observations, const FlightRecord& flight,
                    const std::string& reference_file) {
   std::ostringstream html;
-  html << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Soffit report</title><style>" << kStyle
-       << "</style></head><body>\n<h1>Soffit report</h1>\n";
-  if (flight.mission.contains("outcome")) html << "<p>Mission: <b>" << ToCell(flight.mission["outcome"]) << "</b></p>\n";
+  html << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Soffit "
+          "report</title><style>"
+       << kStyle << "</style></head><body>\n<h1>Soffit report</h1>\n";
+  if (flight.mission.contains("outcome"))
+    html << "<p>Mission: <b>" << ToCell(flight.mission["outcome"]) << "</b></p>\n";
   for (const ClearanceDecision& decision : understanding.decisions) {
     html << "<p>" << Badge(decision.verdict) << " " << Escape(Describe(decision)) << "</p>\n";
   }
   for (const std::string& problem : understanding.problems) html << "<p>" << Escape(problem) << "</p>\n";
 
-  html << "<div class=\"pair\">" << Figure("scene.png", "The enriched scene") << Figure("top_view.png", "From above")
-       << "</div>\n<h2>Decisions</h2>\n" << Decisions(understanding) << "<h2>Buildings</h2>\n"
+  html << "<div class=\"pair\">" << Figure("scene.png", "The enriched scene")
+       << Figure("top_view.png", "From above") << "</div>\n<h2>Decisions</h2>\n"
+       << Decisions(understanding) << "<h2>Buildings</h2>\n"
        << Buildings(understanding.scene);
-  if (!reference_file.empty()) html << "<div class=\"grid\">" << Figure(reference_file, "What is wanted") << "</div>\n";
+  if (!reference_file.empty())
+    html << "<div class=\"grid\">" << Figure(reference_file, "What is wanted") << "</div>\n";
   html << "<h2>Pictures</h2>\n<div class=\"grid\">\n";
   for (const Observation& seen : observations) {
     const std::string caption = std::to_string(seen.image.capture_id) + ": " + ToString(seen.image.purpose);
@@ -174,7 +200,8 @@ Status WriteReport(const std::filesystem::path& folder, const Understanding& und
   }
   html << "</p>\n";
   if (flight.mission.is_object()) html << "<h2>Mission</h2>\n" << JsonTables(flight.mission);
-  if (flight.truth.is_object()) html << "<h2>Ground truth of the simulator</h2>\n" << JsonTables(flight.truth);
+  if (flight.truth.is_object())
+    html << "<h2>Ground truth of the simulator</h2>\n" << JsonTables(flight.truth);
   html << "<h2>For other programs</h2>\n<p>";
   for (const char* file : {"result.json", "scene.bt", "scene.city.json", "scene.gpkg", "summary.png"}) {
     html << "<a href=\"" << file << "\">" << file << "</a> ";

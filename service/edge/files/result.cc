@@ -117,18 +117,15 @@ Json PictureToJson(const Image& image) {
           {"position", PointToJson(image.view.map_from_camera.translation_m)}};
 }
 
-Json ToJson(const Understanding& all, const std::vector<Observation>& observations, const FlightRecord& flight) {
-  Json json = {{"format", "soffit-result/1"},
-               {"revision", all.scene.revision},
-               {"objects", Json::array()},
-               {"models", Json::array()},
-               {"clearance", Json::array()},
-               {"candidates", Json::array()},
-               {"pictures", Json::array()},
-               {"problems", all.problems}};
+Json ToJson(const Understanding& all, const std::vector<Observation>& observations,
+            const FlightRecord& flight) {
+  Json json = {{"format", "soffit-result/1"}, {"revision", all.scene.revision}, {"objects", Json::array()},
+               {"models", Json::array()},     {"clearance", Json::array()},     {"candidates", Json::array()},
+               {"pictures", Json::array()},   {"problems", all.problems}};
   for (const SceneObject& object : all.scene.objects) json["objects"].push_back(ObjectToJson(object));
   for (const Solid& solid : all.scene.solids) json["models"].push_back(ModelToJson(solid));
-  for (const ClearanceDecision& decision : all.decisions) json["clearance"].push_back(DecisionToJson(decision));
+  for (const ClearanceDecision& decision : all.decisions)
+    json["clearance"].push_back(DecisionToJson(decision));
   for (const Match& match : all.matches) {
     Json candidate = MatchToJson(match);
     candidate["objects"] = Json::array();
@@ -147,7 +144,8 @@ Json ToJson(const Understanding& all, const std::vector<Observation>& observatio
 std::string ToObj(const Solid& solid) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
-  text << "# Building " << solid.footprint.object_id << ", ENU metres, closed 2-manifold\n" << std::setprecision(12);
+  text << "# Building " << solid.footprint.object_id << ", ENU metres, closed 2-manifold\n"
+       << std::setprecision(12);
   for (const Eigen::Vector3d& p : solid.mesh.vertices_in_map_m) {
     text << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
   }
@@ -161,8 +159,8 @@ std::string ToObj(const Solid& solid) {
 std::string ToBt(const octomap::OcTree& octree) {
   std::ostringstream stream;
   stream.imbue(std::locale::classic());
-  stream << "# Octomap OcTree binary file\nid " << octree.getTreeType() << "\nsize " << octree.size() << "\nres "
-         << octree.getResolution() << "\ndata\n";
+  stream << "# Octomap OcTree binary file\nid " << octree.getTreeType() << "\nsize " << octree.size()
+         << "\nres " << octree.getResolution() << "\ndata\n";
   octree.writeBinaryData(stream);
   return stream.str();
 }
@@ -174,7 +172,8 @@ Status WriteResult(const fs::path& folder, const Understanding& understanding,
   for (const Solid& solid : understanding.scene.solids) {
     if (Status status = WriteFile(folder / MeshFile(solid), ToObj(solid)); !status.ok()) return status;
   }
-  if (Status status = WriteFile(folder / "scene.bt", ToBt(*understanding.scene.octree)); !status.ok()) return status;
+  if (Status status = WriteFile(folder / "scene.bt", ToBt(*understanding.scene.octree)); !status.ok())
+    return status;
   return WriteFile(folder / "result.json", ToJson(understanding, observations, flight).dump(1) + "\n");
 }
 

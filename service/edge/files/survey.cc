@@ -40,11 +40,13 @@ struct Node {
 
   std::vector<Node> List(std::size_t least, std::size_t most) const {
     if (!json.is_array() || json.size() < least || json.size() > most) {
-      Fail("must be a list of " + (least == most ? std::to_string(least) : std::to_string(least) + " to " +
-                                                                               std::to_string(most)) + " values");
+      Fail("must be a list of " +
+           (least == most ? std::to_string(least) : std::to_string(least) + " to " + std::to_string(most)) +
+           " values");
     }
     std::vector<Node> nodes;
-    for (std::size_t i = 0; i < json.size(); ++i) nodes.push_back({json[i], place + "[" + std::to_string(i) + "]"});
+    for (std::size_t i = 0; i < json.size(); ++i)
+      nodes.push_back({json[i], place + "[" + std::to_string(i) + "]"});
     return nodes;
   }
 
@@ -72,7 +74,8 @@ struct Node {
   std::string FileName() const {
     const std::string name = Text();
     const fs::path path(name);
-    const bool climbs = std::any_of(path.begin(), path.end(), [](const fs::path& part) { return part == ".."; });
+    const bool climbs =
+        std::any_of(path.begin(), path.end(), [](const fs::path& part) { return part == ".."; });
     if (path.is_absolute() || climbs) Fail("\"" + name + "\" must lie inside the survey's folder");
     return name;
   }
@@ -80,7 +83,8 @@ struct Node {
   Eigen::VectorXd Vector(std::size_t size, double limit) const {
     Eigen::VectorXd vector(size);
     const std::vector<Node> numbers = List(size, size);
-    for (std::size_t i = 0; i < size; ++i) vector[static_cast<Eigen::Index>(i)] = numbers[i].Number(-limit, limit);
+    for (std::size_t i = 0; i < size; ++i)
+      vector[static_cast<Eigen::Index>(i)] = numbers[i].Number(-limit, limit);
     return vector;
   }
 };
@@ -126,7 +130,8 @@ Capture ReadFrame(const Node& frame) {
   }
   capture.map_from_camera.rotation = Eigen::Quaterniond(xyzw[3], xyzw[0], xyzw[1], xyzw[2]).normalized();
   if (frame.Has("position_std_m")) capture.position_std_m = frame.At("position_std_m").Number(0.0, 1e4);
-  if (frame.Has("orientation_std_rad")) capture.orientation_std_rad = frame.At("orientation_std_rad").Number(0.0, 4.0);
+  if (frame.Has("orientation_std_rad"))
+    capture.orientation_std_rad = frame.At("orientation_std_rad").Number(0.0, 4.0);
   capture.has_trusted_pose = !frame.Has("has_trusted_pose") || frame.At("has_trusted_pose").Flag();
   return capture;
 }
@@ -158,8 +163,14 @@ Survey ReadDocument(const Node& root) {
 }
 
 Json ToJson(const Intrinsics& k) {
-  return {{"width", k.width_px}, {"height", k.height_px}, {"fx", k.fx_px}, {"fy", k.fy_px}, {"cx", k.cx_px},
-          {"cy", k.cy_px}, {"distortion_model", "plumb_bob"}, {"d", k.distortion}};
+  return {{"width", k.width_px},
+          {"height", k.height_px},
+          {"fx", k.fx_px},
+          {"fy", k.fy_px},
+          {"cx", k.cx_px},
+          {"cy", k.cy_px},
+          {"distortion_model", "plumb_bob"},
+          {"d", k.distortion}};
 }
 
 Json ToJson(const Capture& capture) {
@@ -204,7 +215,8 @@ Status WriteSurvey(const fs::path& folder, const Survey& survey) {
   const VehicleEnvelope& v = survey.vehicle;
   Json json = {{"format", kFormat},
                {"camera", ToJson(survey.captures.front().intrinsics)},
-               {"vehicle", {{"radius_m", v.radius_m}, {"height_m", v.height_m}, {"safety_margin_m", v.safety_margin_m}}},
+               {"vehicle",
+                {{"radius_m", v.radius_m}, {"height_m", v.height_m}, {"safety_margin_m", v.safety_margin_m}}},
                {"reference", {{"image", survey.reference_file}}},
                {"frames", Json::array()}};
   if (!survey.colors.empty()) json["colors"] = survey.colors;

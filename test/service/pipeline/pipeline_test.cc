@@ -18,7 +18,8 @@ constexpr VehicleEnvelope kVehicle{0.35, 0.30, 0.25};
 /// A picture from 9 m straight above, north up: shapes on grey.
 Capture Overview(const std::vector<std::pair<std::vector<cv::Point>, cv::Scalar>>& shapes) {
   cv::Mat3b picture(480, 640, cv::Vec3b(120, 130, 125));
-  for (const auto& [shape, color] : shapes) cv::fillPoly(picture, std::vector<std::vector<cv::Point>>{shape}, color);
+  for (const auto& [shape, color] : shapes)
+    cv::fillPoly(picture, std::vector<std::vector<cv::Point>>{shape}, color);
   Capture capture;
   capture.capture_id = 1;
   capture.name = "overview.png";
@@ -77,7 +78,8 @@ TEST(Understand, MakesNoDecisionFromNothing) {
 
 TEST(Understand, MarksTheWantedBuildingAmongOthers) {
   const std::vector<cv::Point> box = {{400, 120}, {520, 120}, {520, 200}, {400, 200}};
-  const Understanding all = Understand(Seen(Overview({{L(100, 200), kRed}, {box, kRed}})), ReferenceOfL(), kVehicle, 1, {});
+  const Understanding all =
+      Understand(Seen(Overview({{L(100, 200), kRed}, {box, kRed}})), ReferenceOfL(), kVehicle, 1, {});
   ASSERT_THAT(all.scene.objects, SizeIs(2));
   const auto is_matched = [](const SceneObject& object) { return object.is_matched; };
   ASSERT_EQ(std::count_if(all.scene.objects.begin(), all.scene.objects.end(), is_matched), 1);
@@ -87,7 +89,8 @@ TEST(Understand, MarksTheWantedBuildingAmongOthers) {
 }
 
 TEST(Understand, NeverClearsWhatWasOnlySeenFromAbove) {
-  const Understanding all = Understand(Seen(Overview({{L(250, 150), kRed}})), ReferenceOfL(), kVehicle, 9, {});
+  const Understanding all =
+      Understand(Seen(Overview({{L(250, 150), kRed}})), ReferenceOfL(), kVehicle, 9, {});
   ASSERT_FALSE(all.decisions.empty());
   for (const ClearanceDecision& decision : all.decisions) {
     EXPECT_EQ(decision.verdict, Verdict::kInsufficientData) << decision.reason;

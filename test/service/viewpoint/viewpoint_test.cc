@@ -31,7 +31,10 @@ Ring Turned(Ring ring, double by_rad, const Eigen::Vector2d& shift) {
 }
 
 View Look(const Viewpoint& viewpoint) {
-  return {Camera(), {CameraAttitude(viewpoint.yaw_rad, viewpoint.pitch_rad), viewpoint.position_in_map_m}, 0.0, 0.0};
+  return {Camera(),
+          {CameraAttitude(viewpoint.yaw_rad, viewpoint.pitch_rad), viewpoint.position_in_map_m},
+          0.0,
+          0.0};
 }
 
 bool IsInPicture(const Viewpoint& viewpoint, const Eigen::Vector2d& corner, double height_m) {
@@ -73,7 +76,8 @@ TEST(PlanTop, HasTheWholeRoofInThePictureAtAnyTurn) {
   for (const double turn : {0.0, 0.4, 1.3, 2.9}) {
     const Footprint object = Building(Turned(Box(0, 0, 6, 1.5), turn, {5, -8}), 2.3);
     const Viewpoint view = PlanTop(object, Camera(), kVehicle, {});
-    for (const Eigen::Vector2d& corner : object.polygon_in_map_m.outer) EXPECT_TRUE(IsInPicture(view, corner, 2.3));
+    for (const Eigen::Vector2d& corner : object.polygon_in_map_m.outer)
+      EXPECT_TRUE(IsInPicture(view, corner, 2.3));
     EXPECT_GE(view.position_in_map_m.z(), 2.3 + kVehicle.NeededHeight_m());
   }
 }
@@ -156,7 +160,8 @@ TEST(PlanWalls, DoesNotTakeAnOlderShapeOfTheObjectForAnObstacle) {
 
 TEST(PlanWalls, TakesARoundTowerFromAFewSides) {
   Ring ring;
-  for (int i = 0; i < 32; ++i) ring.emplace_back(2.0 * std::cos(i * kPi / 16.0), 2.0 * std::sin(i * kPi / 16.0));
+  for (int i = 0; i < 32; ++i)
+    ring.emplace_back(2.0 * std::cos(i * kPi / 16.0), 2.0 * std::sin(i * kPi / 16.0));
   const Footprint tower = Building(ring, 3.0);
   const std::vector<Viewpoint> views = PlanWalls(tower, {tower}, Camera(), kVehicle, {});
   EXPECT_GE(views.size(), 2U);
@@ -164,7 +169,8 @@ TEST(PlanWalls, TakesARoundTowerFromAFewSides) {
 }
 
 TEST(PlanWalls, GivesTheSamePlanForTheSameInput) {
-  const Footprint object = Building(Turned({{0, 0}, {9, 0}, {9, 3}, {3, 3}, {3, 7}, {0, 7}}, 1.1, {2, 2}), 2.5);
+  const Footprint object =
+      Building(Turned({{0, 0}, {9, 0}, {9, 3}, {3, 3}, {3, 7}, {0, 7}}, 1.1, {2, 2}), 2.5);
   const auto a = PlanWalls(object, {object}, Camera(), kVehicle, {});
   const auto b = PlanWalls(object, {object}, Camera(), kVehicle, {});
   ASSERT_EQ(a.size(), b.size());
@@ -185,7 +191,8 @@ TEST(PlanCorridorLook, HasTheNeededSpaceAtTheEntryInThePicture) {
 
 TEST(PlanCorridorLook, DoesNotBackIntoAnotherBuilding) {
   const Footprint behind = Building(Box(0, -4, 4, -2.4), 2.0, 2);
-  const Viewpoint view = PlanCorridorLook({2.0, -1.6, 0.8}, {2.0, 3.1, 0.8}, {behind}, Camera(), kVehicle, {});
+  const Viewpoint view =
+      PlanCorridorLook({2.0, -1.6, 0.8}, {2.0, 3.1, 0.8}, {behind}, Camera(), kVehicle, {});
   EXPECT_GE(view.position_in_map_m.y(), -1.8 - 1e-9);
 }
 

@@ -60,7 +60,9 @@ TEST(DrawTopView, TellsFreeUnknownAndOccupiedApart) {
 TEST(DrawScenePicture, IsTheSameEachTime) {
   const std::vector<Eigen::Vector3d> track = {{2, -1.6, 3}, {2, -1.6, 0.7}, {2, 3.1, 0.7}};
   const Understanding all = test::ArchUnderstanding();
-  const auto draw = [&] { return DrawScenePicture(all, test::ArchObservations(), track, {320, 240}).picture; };
+  const auto draw = [&] {
+    return DrawScenePicture(all, test::ArchObservations(), track, {320, 240}).picture;
+  };
   const cv::Mat3b first = draw();
   EXPECT_EQ(cv::norm(first, draw(), cv::NORM_INF), 0.0);
   EXPECT_GT(CountOf(first, ink::kOrange), 20);
@@ -68,7 +70,8 @@ TEST(DrawScenePicture, IsTheSameEachTime) {
 
 TEST(AddCaption, PutsTextBelowThePictureAndNotOverIt) {
   const cv::Mat3b picture(300, 400, cv::Vec3b(10, 20, 30));
-  const cv::Mat3b sheet = AddCaption({picture, "title", {std::string(300, 'x') + " " + std::string(300, 'y')}, {}});
+  const cv::Mat3b sheet =
+      AddCaption({picture, "title", {std::string(300, 'x') + " " + std::string(300, 'y')}, {}});
   EXPECT_EQ(sheet.cols, 400);
   EXPECT_GT(sheet.rows, 340);
   EXPECT_EQ(cv::norm(sheet(cv::Rect(0, 0, 400, 300)), picture, cv::NORM_INF), 0.0);

@@ -49,7 +49,8 @@ class OutputsTest : public ::testing::Test {
  protected:
   OutputsTest() : all_(test::ArchUnderstanding()), observations_(test::ArchObservations()) {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(::testing::TempDir()) / ("soffit_" + std::string(info->name()) + std::to_string(getpid()));
+    folder_ =
+        fs::path(::testing::TempDir()) / ("soffit_" + std::string(info->name()) + std::to_string(getpid()));
   }
   ~OutputsTest() override { fs::remove_all(folder_); }
 
@@ -214,7 +215,8 @@ TEST_F(OutputsTest, WriteOutputsWritesAllFilesAndLeavesNoPartsBehind) {
 TEST_F(OutputsTest, ReportShowsReasonsAsTextOnly) {
   all_.decisions[0].reason = "<script>alert(1)</script>";
   FlightRecord flight;
-  flight.mission = {{"outcome", "flown"}, {"steps", {{{"step", "take off"}}, {{"step", "look"}, {"seconds", 4.5}}}}};
+  flight.mission = {{"outcome", "flown"},
+                    {"steps", {{{"step", "take off"}}, {{"step", "look"}, {"seconds", 4.5}}}}};
   ASSERT_TRUE(WriteReport(folder_, all_, observations_, flight, "reference.png").ok());
   const std::string html = Read(folder_ / "report.html");
   EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));

@@ -19,7 +19,8 @@ class ReadSurveyTest : public ::testing::Test {
  protected:
   ReadSurveyTest() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(::testing::TempDir()) / ("soffit_survey_" + std::string(info->name()) + std::to_string(getpid()));
+    folder_ = fs::path(::testing::TempDir()) /
+              ("soffit_survey_" + std::string(info->name()) + std::to_string(getpid()));
     fs::create_directories(folder_);
     Write("overview.jpg", "not decoded here");
   }
@@ -31,13 +32,26 @@ class ReadSurveyTest : public ::testing::Test {
 
   static json GoodSurvey() {
     return {{"format", "soffit-survey/1"},
-            {"camera", {{"width", 1280}, {"height", 960}, {"fx", 850}, {"fy", 851}, {"cx", 631.2}, {"cy", 482.8},
-                        {"distortion_model", "plumb_bob"}, {"d", {-0.1, 0.01, 0.001, 0.002, 0.0}}}},
+            {"camera",
+             {{"width", 1280},
+              {"height", 960},
+              {"fx", 850},
+              {"fy", 851},
+              {"cx", 631.2},
+              {"cy", 482.8},
+              {"distortion_model", "plumb_bob"},
+              {"d", {-0.1, 0.01, 0.001, 0.002, 0.0}}}},
             {"vehicle", {{"radius_m", 0.35}, {"height_m", 0.3}, {"safety_margin_m", 0.25}}},
             {"reference", {{"image", "reference.png"}}},
             {"colors", {"red", "blue"}},
-            {"frames", {{{"file", "overview.jpg"}, {"purpose", "overview"}, {"stamp_s", 2.5}, {"position", {1, 2, 9}},
-                         {"orientation", {1, 0, 0, 0}}, {"position_std_m", 0.08}, {"orientation_std_rad", 0.014}}}}};
+            {"frames",
+             {{{"file", "overview.jpg"},
+               {"purpose", "overview"},
+               {"stamp_s", 2.5},
+               {"position", {1, 2, 9}},
+               {"orientation", {1, 0, 0, 0}},
+               {"position_std_m", 0.08},
+               {"orientation_std_rad", 0.014}}}}};
   }
 
   std::string ErrorFor(const json& survey) const { return ErrorForText(survey.dump()); }
