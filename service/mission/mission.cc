@@ -569,6 +569,7 @@ class Conductor {
       return view.purpose == Purpose::kOverview;
     });
     if (overviews < kMaxOverviews) return LookFromHigher();
+    if (LookAtEachFromAbove()) return;
     if (findings.is_ambiguous) {
       return GoHome(MissionOutcome::kAmbiguous,
                     "the wanted building was found in several places that fit about as well");
@@ -595,6 +596,27 @@ class Conductor {
     BeginStep(MissionStep::kOverview);
     PlanViews({view});
     Act();
+  }
+
+  /// A building that leans or hides its foot shows its true shape from straight above. False when none is left that has
+  /// not been looked at so.
+  bool LookAtEachFromAbove() {
+    const auto from_above = static_cast<int>(std::count_if(
+        m_.viewed.begin(), m_.viewed.end(), [](const Viewpoint& view) { return view.purpose == Purpose::kTop; }));
+    std::vector<Viewpoint> views;
+    for (const Footprint& object : m_.findings->map) {
+      if (from_above + static_cast<int>(views.size()) >= options_.candidate_views) break;
+      const Viewpoint view = PlanTop(object, m_.vehicle->camera, m_.vehicle->envelope, viewpoints_);
+      const bool was_viewed = std::any_of(m_.viewed.begin(), m_.viewed.end(), [&](const Viewpoint& old) {
+        return old.purpose == Purpose::kTop && old.object_id == object.object_id;
+      });
+      if (!was_viewed) views.push_back(view);
+    }
+    if (views.empty()) return false;
+    BeginStep(MissionStep::kOverview);
+    PlanViews(std::move(views));
+    Act();
+    return true;
   }
 
   /// False when all wanted buildings are settled.

@@ -58,6 +58,7 @@ struct MissionOptions {
   double retry_delay_s = 2.0;
   int tries = 3;
   int more_views = 4;
+  int candidate_views = 8;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& field) {
@@ -85,6 +86,8 @@ struct MissionOptions {
     field("tries", self.tries, OptionInfo{1, 20, "", "Of a command or a picture, before it is given up"});
     field("more_views", self.more_views,
           OptionInfo{0, 50, "", "Pictures that open decisions may ask for, for each building"});
+    field("candidate_views", self.candidate_views,
+          OptionInfo{0, 100, "", "Pictures from straight above each building, when overviews do not tell the wanted one"});
   }
 };
 

@@ -286,6 +286,17 @@ TEST(Advance, FindsWithASecondOverviewWhatTheFirstDidNotShow) {
   EXPECT_GT(altitudes_m[1], altitudes_m[0]);
 }
 
+TEST(Advance, LooksAtEachBuildingFromAboveWhenOverviewsDoNotTellTheWantedOne) {
+  Flight flight;
+  flight.look = [&](Findings& findings) {
+    findings.wanted.clear();
+    if (flight.CountLooks(Purpose::kTop) > 0) findings.wanted = {1};
+  };
+  flight.Run();
+  EXPECT_EQ(flight.status().outcome, MissionOutcome::kFlown) << flight.status().message;
+  EXPECT_EQ(flight.CountLooks(Purpose::kOverview), 2);
+}
+
 TEST(Advance, EndsWhenSeveralPlacesFit) {
   Flight flight;
   flight.findings.wanted.clear();
