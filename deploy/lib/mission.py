@@ -196,12 +196,14 @@ class Mission:
 
     def agent_config(self, radio, link, camera_port):
         camera = self.setting["camera"]
+        highest_m = self.setting["mission"]["overview_altitude_m"]
         source = f"souphttpsrc location=http://127.0.0.1:{camera_port}/%s.jpg"
         return {
             "vehicle": {"id": VEHICLE_ID, "name": "demo", **self.setting["vehicle"]},
             "mavlink": link,
             "radio": {"domain_id": radio},
             "autopilot": self.setting["pose_noise"],
+            "guard": {"ceiling_m": max(60.0, 1.6 * highest_m), "max_distance_m": max(200.0, 4.0 * highest_m)},
             "cameras": {"forward": {"pipeline": source % "forward", **camera},
                         "down": {"pipeline": source % "down", "mount": {"pitch_deg": -90.0}, **camera}},
         }
