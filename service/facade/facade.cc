@@ -13,8 +13,8 @@ namespace soffit {
 namespace {
 
 constexpr double kMinVisible = 0.90;        // Of a wall's columns: less does not tell what openings it has.
-constexpr double kMinThroughShare = 0.60;   // Of what is seen beyond: clutter far behind may hide the rest.
-constexpr double kMinSkyShare = 0.50;       // Of what is seen through it above the horizon.
+constexpr double kMinThroughShare = 0.50;   // Of what is seen beyond: clutter far behind may hide the rest.
+constexpr double kMinSkyShare = 0.25;       // Of what is seen through it above the horizon.
 constexpr double kMinGroundOnlyShare = 0.90;
 constexpr double kStraightShare = 0.25;     // Of a head's columns that have to lie on one level.
 constexpr double kPixelStd = 0.7;
@@ -160,7 +160,6 @@ struct Mouth {
   }
   double Left(double u) const { return Edge(u, camera_uv_m.x(), -1.0); }
   double Right(double u) const { return Edge(u, camera_uv_m.x(), 1.0); }
-  double Top(double v) const { return Edge(v, camera_uv_m.y(), 1.0); }
   double Bottom(double v) const { return Edge(v, camera_uv_m.y(), -1.0); }
 };
 
@@ -283,28 +282,39 @@ double ShareOn(const std::vector<Eigen::Vector2d>& points, const Head& head, con
   return count / static_cast<double>(points.size());
 }
 
-Head MeasureHead(const Elevation& view, const Gap& gap, const Mouth& mouth, const Span& sides) {
+/// The upper boundary of a gap, brought back to the mouth as if it were straight (its edge faces up everywhere), or as
+/// if it were an arch (its edge faces away from the middle).
+std::vector<Eigen::Vector2d> TraceHead(const Elevation& view, const Gap& gap, const Mouth& mouth, const Span& sides,
+                                       bool is_arch) {
   std::vector<Eigen::Vector2d> points;
   const double width = sides.high - sides.low;
+  const double middle = 0.5 * (sides.low + sides.high);
   for (int column = 0; column < gap.inside.cols; ++column) {
     int top = -1;
     for (int row = gap.inside.rows - 1; row >= 0 && top < 0; --row) {
       if (gap.inside(row, column) != 0) top = row;
     }
     if (top < 0) continue;
-    const double v = (gap.bounds.y + top + 1) * view.cell_m;
-    const double u = view.Center(gap.bounds.x + column, 0).x();
-    const bool is_far = v > view.camera_uv_m.y();
-    const double mouth_u = is_far ? view.camera_uv_m.x() + (u - view.camera_uv_m.x()) / mouth.shrink : u;
-    if (mouth_u < sides.low + 0.02 * width || mouth_u > sides.high - 0.02 * width) continue;
-    points.emplace_back(mouth_u, mouth.Top(v));
+    const Eigen::Vector2d seen(view.Center(gap.bounds.x + column, 0).x(), (gap.bounds.y + top + 1) * view.cell_m);
+    const double t = is_arch ? std::clamp(2.0 * (seen.x() - middle) / width, -1.0, 1.0) : 0.0;
+    const Eigen::Vector2d outward(t, std::sqrt(1.0 - t * t));
+    const bool is_far = outward.dot(seen - mouth.camera_uv_m) > 0.0;
+    const Eigen::Vector2d point = is_far ? mouth.camera_uv_m + (seen - mouth.camera_uv_m) / mouth.shrink : seen;
+    if (point.x() > sides.low + 0.02 * width && point.x() < sides.high - 0.02 * width) points.push_back(point);
   }
-  if (points.empty()) return {(gap.bounds.y + gap.bounds.height) * view.cell_m, 0.0};
+  return points;
+}
+
+Head MeasureHead(const Elevation& view, const Gap& gap, const Mouth& mouth, const Span& sides) {
+  const std::vector<Eigen::Vector2d> as_straight = TraceHead(view, gap, mouth, sides, false);
+  const std::vector<Eigen::Vector2d> as_arch = TraceHead(view, gap, mouth, sides, true);
+  if (as_straight.empty() || as_arch.empty()) return {(gap.bounds.y + gap.bounds.height) * view.cell_m, 0.0};
   const double reach = 2.5 * view.cell_m / mouth.shrink;
-  const double level = HighestLevel(points, reach);
-  const Head arch = FitArch(points, sides);
-  const bool is_arch = arch.rise_m > 0.05 * width && arch.spring_m >= 0.0;
-  return is_arch && ShareOn(points, arch, sides, reach) > ShareAt(points, level, reach) ? arch : Head{level, 0.0};
+  const double level = HighestLevel(as_straight, reach);
+  const Head arch = FitArch(as_arch, sides);
+  const bool is_arch = arch.rise_m > 0.05 * (sides.high - sides.low) && arch.spring_m >= 0.0;
+  const bool fits_better = ShareOn(as_arch, arch, sides, reach) > ShareAt(as_straight, level, reach);
+  return is_arch && fits_better ? arch : Head{level, 0.0};
 }
 
 /// Counter-clockwise as seen from outside.
