@@ -240,11 +240,13 @@ class Matcher {
     for (std::size_t i = 0; i < partners.size(); ++i) pairs.push_back(Pair(i, partners[i]));
     Pose2d pose;
     pose.similarity = RefineSimilarity(pairs, similarity);
-    pose.misfit_ratio = 0.0;
+    double sum = 0.0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      pose.misfit_ratio = std::max(pose.misfit_ratio, MemberMisfitRatio(i, partners[i], pose.similarity));
+      const double ratio = MemberMisfitRatio(i, partners[i], pose.similarity);
+      sum += ratio * ratio;
       pose.shapes.push_back(index_[partners[i]]);
     }
+    pose.misfit_ratio = std::sqrt(sum / static_cast<double>(pairs.size()));
     return pose;
   }
 
