@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "service/clearance/contact.h"
@@ -92,10 +93,54 @@ struct Judge {
     return std::nullopt;
   }
 
+  std::optional<Corridor> FindDoubtfulWay() const;
   ClearanceDecision WithoutPassage() const;
   ClearanceDecision OnCorridor(const Corridor& corridor) const;
   std::optional<std::string> FindNeighbourInTheWay(const Corridor& corridor) const;
 };
+
+Eigen::Vector3d MiddleOf(const SolidOpening& opening) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : opening.polygon_in_map_m) middle += p;
+  return middle / static_cast<double>(opening.polygon_in_map_m.size());
+}
+
+/// Whether the upright line at `u` of `wall` goes through the opening.
+bool Spans(const SolidOpening& opening, const Wall& wall, double u) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const Eigen::Vector3d& p : opening.polygon_in_map_m) {
+    low = std::min(low, wall.U(p.head<2>()));
+    high = std::max(high, wall.U(p.head<2>()));
+  }
+  return low <= u && u <= high;
+}
+
+/// Where two openings face each other and too little of what is beyond was seen to tell whether they meet.
+std::optional<Corridor> Judge::FindDoubtfulWay() const {
+  const Polygon& polygon = solid.footprint.polygon_in_map_m;
+  for (const SolidOpening& near : solid.openings) {
+    if (near.wall < 0 || !near.shows_background) continue;
+    const Wall wall = WallOf(polygon.outer, near.wall);
+    const Eigen::Vector3d middle = MiddleOf(near);
+    const auto way = FindWayOut(polygon, near.wall, wall.U(middle.head<2>()));
+    if (!way) continue;
+    const Wall exit = WallOf(polygon.outer, way->side);
+    const bool has_far_mouth = std::any_of(solid.openings.begin(), solid.openings.end(), [&](const SolidOpening& far) {
+      return far.wall == way->side && Spans(far, exit, way->u_m);
+    });
+    if (!has_far_mouth) continue;
+    Corridor corridor;
+    corridor.object_id = solid.footprint.object_id;
+    corridor.entry_wall = near.wall;
+    corridor.exit_wall = way->side;
+    corridor.entry_in_map_m = middle;
+    corridor.exit_in_map_m = middle;
+    corridor.exit_in_map_m.head<2>() -= way->length_m * wall.outward;
+    return corridor;
+  }
+  return std::nullopt;
+}
 
 ClearanceDecision Judge::WithoutPassage() const {
   ClearanceDecision decision = Start(-1);
@@ -106,15 +151,18 @@ ClearanceDecision Judge::WithoutPassage() const {
   for (const SolidOpening& opening : solid.openings) {
     if (opening.wall < 0) continue;
     const Wall wall = WallOf(polygon.outer, opening.wall);
-    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-    for (const Eigen::Vector3d& p : opening.polygon_in_map_m) middle += p.head<2>();
-    middle /= static_cast<double>(opening.polygon_in_map_m.size());
-    const auto way = FindWayOut(polygon, opening.wall, wall.U(middle));
+    const auto way = FindWayOut(polygon, opening.wall, wall.U(MiddleOf(opening).head<2>()));
     if (way && is_unseen(way->side)) {
       decision.reason = "wall " + std::to_string(opening.wall) + " has an opening, the wall opposite was not seen";
       decision.wanted = LookAtWall(way->side);
       return decision;
     }
+  }
+  if (const auto doubtful = FindDoubtfulWay()) {
+    decision.reason = "the openings of walls " + std::to_string(doubtful->entry_wall) + " and " +
+                      std::to_string(doubtful->exit_wall) + " show too little of what is beyond to tell whether they meet";
+    decision.wanted = LookAlong(*doubtful);
+    return decision;
   }
   for (const int side : solid.unseen_walls) {
     const Wall wall = WallOf(polygon.outer, side);
@@ -196,9 +244,8 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
   const double side_margin = std::min(decision.margin_left_m, decision.margin_right_m);
   const double height_margin = std::min(decision.margin_up_m, decision.margin_down_m);
   if (!(side_margin >= 0.0) || !(height_margin >= -kTiny_m)) {
-    decision.reason = side_margin < height_margin
-                          ? "too close to call: " + InMetres(spare_width) + " to spare in width" + because
-                          : "too close to call: " + InMetres(spare_height) + " to spare in height" + because;
+    decision.reason = "too close to call: " + InMetres(spare_width) + " to spare in width, " + InMetres(spare_height) +
+                      " in height, worst margin " + InMetres(std::min(side_margin, height_margin)) + because;
     decision.wanted = LookAlong(corridor);
     return decision;
   }

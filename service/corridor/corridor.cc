@@ -13,7 +13,7 @@ namespace soffit {
 namespace {
 
 constexpr int kLineSteps = 4;            // Places that are tried on either side of the middle.
-constexpr double kLineRoom = 0.95;       // Of the room beside the vehicle: the rest is kept on all sides.
+constexpr double kKeptSigmas = 4.0;      // Kept on all sides off the middle: more than a decision asks for.
 constexpr double kFlat = 0.10;            // Of the needed height.
 constexpr std::size_t kMaxObstacles = 5;  // In one passage; the nearest to its axis count.
 
@@ -114,15 +114,15 @@ Path LayPath(const Polygon& footprint, const Passage& passage, const Wall& wall,
 
 /// Where in the free rectangle to fly: in its middle, or where more of the space that the vehicle needs was seen free.
 template <class PathAt>
-Eigen::Vector2d ChooseLine(const Rectangle& free, const VehicleEnvelope& vehicle, const octomap::OcTree& tree,
-                           PathAt&& path_at) {
+Eigen::Vector2d ChooseLine(const Rectangle& free, const Eigen::Vector2d& kept_m, const VehicleEnvelope& vehicle,
+                           const octomap::OcTree& tree, PathAt&& path_at) {
   const Eigen::Vector2d middle(0.5 * (free.left + free.right), 0.5 * (free.bottom + free.top));
-  const double room_u = std::max(0.0, 0.5 * (free.right - free.left - vehicle.NeededWidth_m()));
-  const double room_v = std::max(0.0, 0.5 * (free.top - free.bottom - vehicle.NeededHeight_m()));
+  const double room_u = std::max(0.0, 0.5 * (free.right - free.left - vehicle.NeededWidth_m()) - kept_m.x());
+  const double room_v = std::max(0.0, 0.5 * (free.top - free.bottom - vehicle.NeededHeight_m()) - kept_m.y());
   std::vector<Eigen::Vector2d> offsets;
   for (int i = -kLineSteps; i <= kLineSteps; ++i) {
     for (int j = -kLineSteps; j <= kLineSteps; ++j) {
-      offsets.emplace_back(kLineRoom * room_u * i / kLineSteps, kLineRoom * room_v * j / kLineSteps);
+      offsets.emplace_back(room_u * i / kLineSteps, room_v * j / kLineSteps);
     }
   }
   std::stable_sort(offsets.begin(), offsets.end(), [](const auto& a, const auto& b) { return a.norm() < b.norm(); });
@@ -173,7 +173,9 @@ std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id,
       const Wall wall = WallOf(solid.footprint.polygon_in_map_m.outer, passage.entry_wall);
       const std::vector<Shadow> shadows = CastShadows(scene.obstacles, wall, passage, stand_off);
       const Rectangle free = FitBetween(passage.section_m, shadows, 0, vehicle).value_or(NoRoom(passage.section_m)).rectangle;
-      const Eigen::Vector2d middle = ChooseLine(free, vehicle, *scene.octree, [&](const Eigen::Vector2d& at) {
+      const double place_std = PlaceStd(solid.footprint);
+      const Eigen::Vector2d kept(kKeptSigmas * std::hypot(passage.std_m, place_std), kKeptSigmas * passage.std_m);
+      const Eigen::Vector2d middle = ChooseLine(free, kept, vehicle, *scene.octree, [&](const Eigen::Vector2d& at) {
         return LayPath(solid.footprint.polygon_in_map_m, passage, wall, at, stand_off);
       });
       const Path path = LayPath(solid.footprint.polygon_in_map_m, passage, wall, middle, stand_off);
@@ -188,7 +190,7 @@ std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id,
       corridor.left_m = middle.x() - free.left;
       corridor.floor_m = free.bottom;
       corridor.std_m = passage.std_m;
-      corridor.place_std_m = PlaceStd(solid.footprint);
+      corridor.place_std_m = place_std;
       corridor.limited_by = Describe(shadows);
       corridor.was_seen_from_both_sides = passage.was_seen_from_both_sides;
       corridors.push_back(corridor);

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kMinVisible = 0.90;        // Of a wall's columns: less does not tell what openings it has.
 constexpr double kMinThroughShare = 0.50;   // Of what is seen beyond: clutter far behind may hide the rest.
-constexpr double kMinSkyShare = 0.25;       // Of what is seen through it above the horizon.
+constexpr double kMinSkyShare = 0.05;       // Of what is seen above the horizon: buildings may hide the rest.
+constexpr double kMinDoubtShare = 0.05;     // Background in so little of it is noise on a closed surface.
 constexpr double kMinGroundOnlyShare = 0.90;
 constexpr double kStraightShare = 0.25;     // Of a head's columns that have to lie on one level.
 constexpr double kPixelStd = 0.7;
@@ -113,6 +114,7 @@ std::vector<Gap> FindGaps(const Elevation& view, double height_m, double min_ope
 
 struct Evidence {
   bool is_through = false;
+  bool shows_background = false;
   std::string text;
 };
 
@@ -136,10 +138,11 @@ Evidence WeighBackground(const Elevation& view, const Gap& gap, double shrink) {
     }
   }
   Evidence evidence;
-  if (beyond <= 0.0) return {false, "nothing beyond it is seen"};
+  if (beyond <= 0.0) return {false, false, "nothing beyond it is seen"};
   const double share = background / beyond;
   const bool shows_sky = above > 0.05 * beyond;
   evidence.is_through = shows_sky ? share >= kMinThroughShare && sky / above >= kMinSkyShare : share >= kMinGroundOnlyShare;
+  evidence.shows_background = share >= kMinDoubtShare;
   std::ostringstream text;
   text.precision(2);
   text << "sky or ground in " << share << " of what is seen through it";
@@ -218,6 +221,15 @@ struct Head {
   double rise_m = 0.0;  ///< 0: straight.
 };
 
+/// The levels of the points from `low` to `high`.
+std::vector<double> LevelsBetween(const std::vector<Eigen::Vector2d>& points, double low, double high) {
+  std::vector<double> levels;
+  for (const Eigen::Vector2d& point : points) {
+    if (point.y() >= low && point.y() <= high) levels.push_back(point.y());
+  }
+  return levels;
+}
+
 /// Share of the points that lie within `reach` of level `at`.
 double ShareAt(const std::vector<Eigen::Vector2d>& points, double at, double reach) {
   double count = 0.0;
@@ -229,13 +241,10 @@ double ShareAt(const std::vector<Eigen::Vector2d>& points, double at, double rea
 double HighestLevel(const std::vector<Eigen::Vector2d>& points, double reach) {
   std::vector<Eigen::Vector2d> sorted = points;
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.y() > b.y(); });
+  const double least = kStraightShare * static_cast<double>(points.size());
   for (const Eigen::Vector2d& candidate : sorted) {
-    if (ShareAt(points, candidate.y() - reach, reach) < kStraightShare) continue;
-    std::vector<double> levels;
-    for (const Eigen::Vector2d& point : points) {
-      if (point.y() <= candidate.y() && point.y() >= candidate.y() - 2.0 * reach) levels.push_back(point.y());
-    }
-    return Median(levels);
+    const std::vector<double> levels = LevelsBetween(points, candidate.y() - 2.0 * reach, candidate.y());
+    if (static_cast<double>(levels.size()) >= least) return Median(levels);
   }
   return sorted[sorted.size() / 2].y();
 }
@@ -345,6 +354,7 @@ std::optional<Opening> MeasureOpening(const Elevation& view, const Gap& gap, con
     const double shrink = view.camera_front_m / (view.camera_front_m + way->length_m);
     const Evidence evidence = WeighBackground(view, gap, shrink);
     opening.is_through = evidence.is_through;
+    opening.shows_background = evidence.shows_background;
     opening.evidence = evidence.text;
     if (opening.is_through) mouth.shrink = shrink;
   } else {

@@ -30,6 +30,7 @@ struct Opening {
   Ring ring_in_wall_m;        ///< Counter-clockwise seen from outside, simple.
   double std_m = 0.0;         ///< Of its sides.
   bool is_through = false;    ///< Proved by evidence: background seen through it.
+  bool shows_background = false;  ///< Some background is seen through it; when it is not `is_through`: too little to tell.
   double depth_m = 0.0;       ///< Of a recess, where it could be told; else 0.
   std::string evidence;       ///< For people: what it was decided from.
   std::vector<std::uint32_t> captures;

@@ -131,6 +131,7 @@ struct Assembly {
     entry.is_through = is_through;
     entry.depth_m = opening.depth_m;
     entry.std_m = opening.std_m;
+    entry.shows_background = opening.shows_background;
     solid.openings.push_back(std::move(entry));
     return solid.openings.size() - 1;
   }

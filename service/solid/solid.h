@@ -26,6 +26,7 @@ struct SolidOpening {
   bool is_through = false;
   double depth_m = 0.0;
   double std_m = 0.0;
+  bool shows_background = false;  ///< As in Opening: when it is not `is_through`, that is not known.
 };
 
 /// A way through the building: `section` swept along a horizontal axis, at right angles to the entry wall.

@@ -67,6 +67,12 @@ TEST(JudgeClearance, BlocksARecessWhoseOtherSideIsClosed) {
   EXPECT_EQ(decisions[0].verdict, Verdict::kBlocked) << decisions[0].reason;
 }
 
+TEST(JudgeClearance, DoesNotBlockAnArchBeforeAThingThatHidesTheSky) {
+  const Thing behind = test::Block(test::Box(-9.0, 3.0, 9.0, 4.0), 0.0, 4.0, {30, 60, 30});
+  const auto decisions = Judge({}, {test::FromSouth(), test::FromNorth()}, {behind});
+  EXPECT_EQ(decisions[0].verdict, Verdict::kInsufficientData) << decisions[0].reason;
+}
+
 TEST(JudgeClearance, AsksForTheFarSide) {
   const auto decisions = Judge({}, {test::FromSouth()});
   EXPECT_EQ(decisions[0].verdict, Verdict::kInsufficientData);

@@ -81,6 +81,24 @@ TEST(PlanCorridors, LeadsStraightThroughTheMiddle) {
   EXPECT_NEAR(corridors[0].free_width_m, 2.0, 1e-6);
 }
 
+TEST(PlanCorridors, KeepsTheUncertaintyOfTheSidesOffThem) {
+  Scene scene = WithPassage({});
+  scene.solids[0].passages[0].std_m = 0.02;
+  auto tree = std::make_shared<octomap::OcTree>(0.1);
+  for (double x = -0.95; x < 2.2; x += 0.1) {  // More was seen free on the left than the vehicle can use.
+    for (double y = -1.95; y < 3.5; y += 0.1) {
+      for (double z = 0.05; z < 1.0; z += 0.1) tree->setNodeValue(x, y, z, -2.0F, true);
+    }
+  }
+  tree->updateInnerOccupancy();
+  scene.octree = tree;
+  const auto corridors = PlanCorridors(scene, 7, kVehicle, {});
+  ASSERT_THAT(corridors, SizeIs(1));
+  EXPECT_LT(corridors[0].left_m, 0.95);
+  EXPECT_GE(corridors[0].left_m - 0.60, 3.0 * 0.02);
+  EXPECT_GE(corridors[0].entry_in_map_m.z() - 0.40, 3.0 * 0.02);
+}
+
 TEST(PlanCorridors, GoesBesideAPole) {
   const auto corridors = PlanCorridors(WithPassage({{{1.3, -0.5, 0}, 0.05, 2.0, 0.0, {}}}), 7, kVehicle, {});
   ASSERT_THAT(corridors, SizeIs(1));

@@ -70,6 +70,31 @@ TEST(ReadFacades, MeasuresASeeThroughOpening) {
   EXPECT_NEAR(opening.ring_in_wall_m[2].y(), 1.5, 0.02);
 }
 
+TEST(ReadFacades, ReadsTheHeadBesideAThingOfTheSameColour) {
+  const test::Thing behind = test::Block(test::Box(-0.2, 3.0, 4.0, 4.0), 0.0, 2.3, test::kBlueWall);
+  const auto facades = Read({}, {test::FromSouth()}, {behind});
+  ASSERT_THAT(facades[0].openings, SizeIs(1));
+  const Opening& opening = facades[0].openings[0];
+  EXPECT_TRUE(opening.is_through) << opening.evidence;
+  ASSERT_THAT(opening.ring_in_wall_m, SizeIs(4));
+  EXPECT_NEAR(opening.ring_in_wall_m[2].y(), 1.5, 0.02);
+}
+
+TEST(ReadFacades, SeesThroughBesideAThingThatHidesMostOfTheSky) {
+  const test::Thing behind = test::Block(test::Box(-0.55, 6.0, 6.0, 8.0), 0.0, 4.0, {30, 60, 30});
+  const auto facades = Read({}, {test::FromSouth()}, {behind});
+  ASSERT_THAT(facades[0].openings, SizeIs(1));
+  EXPECT_TRUE(facades[0].openings[0].is_through) << facades[0].openings[0].evidence;
+}
+
+TEST(ReadFacades, LeavesOpenWhatShowsTooLittleBackground) {
+  const test::Thing behind = test::Block(test::Box(-9.0, 3.0, 9.0, 4.0), 0.0, 4.0, {30, 60, 30});
+  const auto facades = Read({}, {test::FromSouth()}, {behind});
+  ASSERT_THAT(facades[0].openings, SizeIs(1));
+  EXPECT_FALSE(facades[0].openings[0].is_through) << facades[0].openings[0].evidence;
+  EXPECT_TRUE(facades[0].openings[0].shows_background) << facades[0].openings[0].evidence;
+}
+
 TEST(ReadFacades, TakesADarkRecessForNoWayThrough) {
   const test::Thing dark = test::Block(test::Box(-0.8, -0.1, 0.8, -0.05), 0.0, 1.5, {8, 8, 8});
   const auto facades = Read({1.6, 1.5, 0.7}, {test::FromSouth()}, {dark});
