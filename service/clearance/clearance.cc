@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kSameView_m = 0.5;
 constexpr double kTiny_m = 1e-9;
+constexpr double kLow = 0.30;  // Of the needed height: what is no higher may be a mark or a shadow on the ground.
 
 std::string InMetres(double value) {
   std::ostringstream text;
@@ -96,6 +97,7 @@ struct Judge {
   std::optional<Corridor> FindDoubtfulWay() const;
   ClearanceDecision WithoutPassage() const;
   ClearanceDecision OnCorridor(const Corridor& corridor) const;
+  bool IsNarrowByLowThings(const Corridor& corridor) const;
   std::optional<std::string> FindNeighbourInTheWay(const Corridor& corridor) const;
 };
 
@@ -197,6 +199,22 @@ std::optional<std::string> Judge::FindNeighbourInTheWay(const Corridor& corridor
   return std::nullopt;
 }
 
+/// Whether the passage would be wide enough without the low things in it.
+bool Judge::IsNarrowByLowThings(const Corridor& corridor) const {
+  if (corridor.limited_by.empty()) return false;
+  Scene without = scene;
+  const auto is_low = [&](const Obstacle& obstacle) { return obstacle.height_m <= kLow * vehicle.NeededHeight_m(); };
+  without.obstacles.erase(std::remove_if(without.obstacles.begin(), without.obstacles.end(), is_low), without.obstacles.end());
+  CorridorOptions same;
+  const Wall entry = WallOf(solid.footprint.polygon_in_map_m.outer, corridor.entry_wall);
+  same.approach_m = entry.Front(corridor.entry_in_map_m.head<2>());
+  const std::vector<Corridor> corridors = PlanCorridors(without, corridor.object_id, vehicle, same);
+  return std::any_of(corridors.begin(), corridors.end(), [&](const Corridor& other) {
+    return other.entry_wall == corridor.entry_wall && other.exit_wall == corridor.exit_wall &&
+           other.free_width_m >= vehicle.NeededWidth_m() && other.free_height_m >= vehicle.NeededHeight_m();
+  });
+}
+
 ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
   ClearanceDecision decision = Start(corridor.entry_wall);
   decision.corridor = corridor;
@@ -222,6 +240,11 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
   const double height_slack = (stands_on_ground ? 1.0 : 2.0) * slack;
   const std::string because = corridor.limited_by.empty() ? "" : " (" + corridor.limited_by + ")";
   if (spare_width + 2.0 * slack < 0.0 && spare_width < 0.0) {
+    if (IsNarrowByLowThings(corridor)) {
+      decision.reason = "a thing or a mark on the ground leaves " + InMetres(corridor.free_width_m) + " of width" + because;
+      decision.wanted = LookAlong(corridor);
+      return decision;
+    }
     decision.verdict = Verdict::kBlocked;
     decision.reason = "too narrow by " + InMetres(-spare_width) + because;
     return decision;

@@ -92,6 +92,12 @@ TEST(JudgeClearance, BlocksAPoleInFront) {
   EXPECT_THAT(decisions[0].reason, HasSubstr("obstacle at"));
 }
 
+TEST(JudgeClearance, DoesNotBlockForWhatMayBeAMarkOnTheGround) {
+  const Thing patch = test::Block(test::Box(-0.3, -1.3, 0.3, -1.15), 0.0, 0.1, {30, 60, 30});
+  const auto decisions = Judge({}, kAllSides, {patch});
+  EXPECT_EQ(decisions[0].verdict, Verdict::kInsufficientData) << decisions[0].reason;
+}
+
 class Hidden : public ::testing::TestWithParam<Thing> {};
 
 TEST_P(Hidden, IsNeverClear) {
