@@ -638,10 +638,46 @@ class Conductor {
     Act();
   }
 
+  /// The vehicle goes down beside a building only where a picture from above showed what else stands there.
   void BeginWalls() {
+    const Footprint& object = *Find(m_.status.object_id);
+    std::vector<Viewpoint> walls =
+        PlanWalls(object, m_.findings->map, m_.vehicle->camera, m_.vehicle->envelope, viewpoints_);
+    const auto is_unseen = [&](const Viewpoint& view) { return !WasSeenFromAbove(view.position_in_map_m); };
+    const bool has_unseen = std::any_of(walls.begin(), walls.end(), is_unseen);
+    if (has_unseen && m_.looked_around_id != object.object_id) return LookAround(object, walls);
+    std::erase_if(walls, is_unseen);
     BeginStep(MissionStep::kWalls);
-    PlanViews(PlanWalls(*Find(m_.status.object_id), m_.findings->map, m_.vehicle->camera,
-                        m_.vehicle->envelope, viewpoints_));
+    PlanViews(std::move(walls));
+  }
+
+  /// From so high that the building and the places of `walls` are in one picture.
+  void LookAround(const Footprint& object, const std::vector<Viewpoint>& walls) {
+    const Eigen::Vector2d center = Centroid(object.polygon_in_map_m);
+    double radius_m = 0.0;
+    for (const Viewpoint& wall : walls) {
+      radius_m = std::max(radius_m, (wall.position_in_map_m.head<2>() - center).norm());
+    }
+    Viewpoint view = PlanOverview(center, radius_m + 2.0 * KeepOff_m(), m_.vehicle->camera, viewpoints_);
+    view.purpose = Purpose::kTop;
+    view.object_id = object.object_id;
+    view.reason = "the ground around it, where wall views are planned";
+    m_.looked_around_id = object.object_id;
+    PlanViews({view});
+    Act();
+  }
+
+  double KeepOff_m() const { return m_.vehicle->envelope.radius_m + m_.vehicle->envelope.safety_margin_m; }
+
+  bool WasSeenFromAbove(const Eigen::Vector3d& place) const {
+    const Intrinsics& camera = m_.vehicle->camera;
+    const double reach_ratio =
+        0.5 * std::min(camera.width_px / camera.fx_px, camera.height_px / camera.fy_px);
+    return std::any_of(m_.viewed.begin(), m_.viewed.end(), [&](const Viewpoint& view) {
+      if (view.purpose != Purpose::kOverview && view.purpose != Purpose::kTop) return false;
+      const double reach_m = view.position_in_map_m.z() * reach_ratio;
+      return (place - view.position_in_map_m).head<2>().norm() + KeepOff_m() <= reach_m;
+    });
   }
 
   const Footprint* Find(std::uint32_t object_id) const {
@@ -691,7 +727,8 @@ class Conductor {
     if (std::any_of(m_.viewed.begin(), m_.viewed.end(),
                     [&](const Viewpoint& old) { return IsSame(old, view); }))
       return false;
-    const double keep_off_m = m_.vehicle->envelope.radius_m + m_.vehicle->envelope.safety_margin_m;
+    if (!WasSeenFromAbove(view.position_in_map_m)) return false;
+    const double keep_off_m = KeepOff_m();
     const Eigen::Vector2d place = view.position_in_map_m.head<2>();
     return std::all_of(m_.findings->map.begin(), m_.findings->map.end(), [&](const Footprint& f) {
       const bool is_above =

@@ -172,6 +172,7 @@ struct Mission {
   std::vector<Viewpoint> views;   ///< Still to be looked at in this step, next first.
   std::size_t views_planned = 0;
   std::vector<Viewpoint> viewed;  ///< Looked at so far.
+  std::uint32_t looked_around_id = 0;     ///< The building whose surroundings were looked at from above.
   int more_views_used = 0;
   std::vector<std::pair<std::uint32_t, int>> looked_along;  ///< Object and side of corridors.
   std::optional<ClearanceDecision> leave;     ///< The decision whose corridor is looked along or flown.

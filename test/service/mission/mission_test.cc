@@ -182,7 +182,7 @@ TEST(Advance, FliesThroughAClearBuildingAndComesHome) {
   EXPECT_EQ(flight.status().outcome, MissionOutcome::kFlown) << flight.status().message;
   EXPECT_THAT(flight.status().problems, IsEmpty());
   EXPECT_EQ(flight.CountLooks(Purpose::kOverview), 1);
-  EXPECT_EQ(flight.CountLooks(Purpose::kTop), 1);
+  EXPECT_EQ(flight.CountLooks(Purpose::kTop), 2);
   EXPECT_GE(flight.CountLooks(Purpose::kWall), 2);
   EXPECT_EQ(flight.CountLooks(Purpose::kCorridor), 1);
   const std::vector<CommandKind> kinds = flight.Kinds();
@@ -237,6 +237,24 @@ TEST(Advance, TransitsAboveEverythingKnown) {
       from = to;
     }
   }
+}
+
+TEST(Advance, GoesDownForWallsOnlyWhereAPictureFromAboveShowedTheGround) {
+  Flight flight;
+  flight.Run();
+  std::vector<Eigen::Vector3d> from_above;
+  int walls = 0;
+  for (const FlightCommand& command : flight.sent) {
+    if (command.kind != CommandKind::kLook) continue;
+    const Eigen::Vector3d place = command.path_in_map_m.back();
+    if (command.purpose == Purpose::kOverview || command.purpose == Purpose::kTop) from_above.push_back(place);
+    if (command.purpose != Purpose::kWall) continue;
+    ++walls;
+    EXPECT_TRUE(std::any_of(from_above.begin(), from_above.end(), [&](const Eigen::Vector3d& eye) {
+      return (eye - place).head<2>().norm() < eye.z() * 480.0 / 850.0;
+    })) << place.transpose();
+  }
+  EXPECT_GT(walls, 0);
 }
 
 TEST(Advance, DecidesAgainWithThePictureAlongTheCorridor) {
@@ -350,7 +368,7 @@ TEST(Advance, TriesEveryBuildingOfAGroup) {
   flight.findings.decisions = {Blocked(2), Clear(1, 0, 0.1)};
   flight.Run();
   EXPECT_EQ(flight.status().outcome, MissionOutcome::kFlown);
-  EXPECT_EQ(flight.CountLooks(Purpose::kTop), 2);
+  EXPECT_EQ(flight.CountLooks(Purpose::kTop), 4);
 }
 
 TEST(Advance, DoesNotEnterWithADecisionForAnotherEnvelope) {
