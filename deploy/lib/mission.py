@@ -168,7 +168,7 @@ class Mission:
         self.expected = json.loads(self.call(self.tool("soffit-sim"), "truth", self.world))
 
     def start_programs(self, radio, local):
-        real = "://" in self.options.autopilot or ":" in self.options.autopilot
+        real = ":" in self.options.autopilot  # The link of one, not the name of a simulated one.
         port = free_udp_port()
         simulator = self.start(
             "soffit-sim", "run", self.world, "--out", self.out / "truth", "--seed", self.options.seed,
