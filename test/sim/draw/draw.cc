@@ -21,6 +21,30 @@ const Intrinsics kCamera{1280, 960, 850, 850, 639.5, 479.5, {-0.06, 0.012, 0.000
 
 enum class Trouble { kNone, kTooLow, kTooNarrow, kRecess, kPainted, kPole, kBeam, kCrate, kAbsent };
 
+const char* ToString(Trouble trouble) {
+  switch (trouble) {
+    case Trouble::kNone:
+      return "passage";
+    case Trouble::kTooLow:
+      return "too low";
+    case Trouble::kTooNarrow:
+      return "too narrow";
+    case Trouble::kRecess:
+      return "recess";
+    case Trouble::kPainted:
+      return "painted door";
+    case Trouble::kPole:
+      return "pole";
+    case Trouble::kBeam:
+      return "beam";
+    case Trouble::kCrate:
+      return "crate";
+    case Trouble::kAbsent:
+      return "absent";
+  }
+  return "";
+}
+
 Trouble DrawTrouble(Dice& dice) {
   if (dice.Chance(0.52)) return Trouble::kNone;
   constexpr Trouble kOthers[] = {Trouble::kTooLow, Trouble::kTooNarrow, Trouble::kRecess, Trouble::kPainted,
@@ -347,6 +371,7 @@ std::optional<World> DrawOnce(std::uint64_t seed) {
   world.pose_noise = DrawPoseNoise(dice);
   DrawWeather(world, dice);
   const Trouble trouble = DrawTrouble(dice);
+  world.title = ToString(trouble);
   const double spare_m = 0.15 + 4.0 * world.pose_noise.position_std_m;
   Wanted wanted = DrawWanted(trouble, spare_m, dice);
   if (!Place(wanted.building, wanted.size_m, wanted.height_m, dice)) return std::nullopt;
@@ -385,7 +410,7 @@ World DrawWorld(std::uint64_t seed) {
     std::optional<World> world = DrawOnce(Mix(seed) + attempt);
     if (!world || !IsClear(*world)) continue;
     world->name = "seed-" + std::to_string(seed);
-    world->title = "Random world " + std::to_string(seed);
+    world->title += ", random world " + std::to_string(seed);
     return *world;
   }
 }
