@@ -86,8 +86,10 @@ struct MissionOptions {
     field("tries", self.tries, OptionInfo{1, 20, "", "Of a command or a picture, before it is given up"});
     field("more_views", self.more_views,
           OptionInfo{0, 50, "", "Pictures that open decisions may ask for, for each building"});
-    field("candidate_views", self.candidate_views,
-          OptionInfo{0, 100, "", "Pictures from straight above each building, when overviews do not tell the wanted one"});
+    field(
+        "candidate_views", self.candidate_views,
+        OptionInfo{0, 100, "",
+                   "Pictures from straight above each building, when overviews do not tell the wanted one"});
   }
 };
 
@@ -103,8 +105,7 @@ struct MissionOrder {
 struct Findings {
   std::uint64_t scene_revision = 0;
   std::vector<Footprint> map;  ///< The vector map as adjusted to the models; obstacles too, without an id.
-  std::vector<std::uint32_t>
-      wanted;  ///< Ids of the recognized building or group; empty: none, or not one only.
+  std::vector<std::uint32_t> wanted;  ///< Ids of the recognized building or group; empty: none or several.
   bool is_ambiguous = false;
   std::vector<ClearanceDecision> decisions;
   std::vector<std::string> problems;
@@ -127,10 +128,9 @@ struct MissionStatus {
   MissionOutcome outcome = MissionOutcome::kNone;  ///< Set when ended.
   double step_progress_ratio = 0.0;
   double progress_ratio = 0.0;
-  std::string message;  ///< One line for people: what it does, why it ended.
-  std::vector<std::string>
-      problems;                 ///< Newest last, the latest 32: what went wrong without ending the mission.
-  std::uint32_t object_id = 0;  ///< The building that is looked at; 0: none yet.
+  std::string message;                ///< One line for people: what it does, why it ended.
+  std::vector<std::string> problems;  ///< What went wrong without ending it: the latest 32, newest last.
+  std::uint32_t object_id = 0;        ///< The building that is looked at; 0: none yet.
 };
 
 /// What the vehicle was told last, and how far that is. Answered is accepted, ended is done.
@@ -150,16 +150,14 @@ struct Mission {
 
   std::optional<VehicleState> vehicle;  ///< Newest state of the agent that is commanded.
   std::int64_t heard_utc_ns = 0;        ///< When it arrived.
-  std::int64_t landed_utc_ns =
-      0;  ///< Since when, in this step, it stands disarmed on the ground; 0: it does not.
+  std::int64_t landed_utc_ns = 0;  ///< Since when in this step it stands disarmed on the ground; 0: it flies.
   std::int64_t intruder_utc_ns = 0;  ///< When another agent with the same vehicle id was heard; 0: never.
 
   std::optional<Errand> errand;          ///< What is waited for.
   bool is_waiting_for_findings = false;  ///< Or this.
   std::int64_t retry_utc_ns = 0;         ///< Or this moment.
   int failures = 0;                      ///< Of what is being tried now.
-  bool has_overrun =
-      false;  ///< The vehicle may still be busy with, or have missed, a command: stop it first.
+  bool has_overrun = false;  ///< The vehicle may be busy with, or have missed, a command: stop it first.
   std::uint32_t last_sequence = 0;
   std::uint32_t last_capture_id = 0;
   std::vector<PictureResult> pictures;  ///< That have arrived.
@@ -171,8 +169,8 @@ struct Mission {
   bool is_any_unsettled = false;  ///< One of them for lack of evidence.
   std::vector<Viewpoint> views;   ///< Still to be looked at in this step, next first.
   std::size_t views_planned = 0;
-  std::vector<Viewpoint> viewed;  ///< Looked at so far.
-  std::uint32_t looked_around_id = 0;     ///< The building whose surroundings were looked at from above.
+  std::vector<Viewpoint> viewed;       ///< Looked at so far.
+  std::uint32_t looked_around_id = 0;  ///< The building whose surroundings were looked at from above.
   int more_views_used = 0;
   std::vector<std::pair<std::uint32_t, int>> looked_along;  ///< Object and side of corridors.
   std::optional<ClearanceDecision> leave;     ///< The decision whose corridor is looked along or flown.

@@ -10,6 +10,9 @@
 
 namespace soffit {
 
+constexpr double ToSeconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+constexpr std::int64_t ToNanoseconds(double s) { return static_cast<std::int64_t>(s * 1e9); }
+
 /// The vehicle as a vertical cylinder about its centre, and the distance that it has to keep from everything.
 struct VehicleEnvelope {
   double radius_m = 0.0;
@@ -90,13 +93,12 @@ struct FlightCommand {
   std::int64_t issued_utc_ns = 0;
   std::int64_t valid_until_utc_ns = 0;  ///< The command must have begun by then.
   CommandKind kind = CommandKind::kHold;
-  std::vector<Eigen::Vector3d>
-      path_in_map_m;                    ///< Flown in this order. kTakeOff: one point, only its height counts.
-  double yaw_rad = 0.0;                 ///< Heading at the end (kLook, kGoTo) or throughout (kFlyCorridor).
-  double speed_mps = 0.0;               ///< Greatest speed on the path.
-  double camera_pitch_rad = 0.0;        ///< kLook: 0 horizontal, -pi/2 straight down.
-  Purpose purpose = Purpose::kUnknown;  ///< kLook.
-  std::uint32_t capture_id = 0;         ///< kLook.
+  std::vector<Eigen::Vector3d> path_in_map_m;  ///< Flown in this order. kTakeOff: only the height counts.
+  double yaw_rad = 0.0;                  ///< Heading at the end (kLook, kGoTo) or throughout (kFlyCorridor).
+  double speed_mps = 0.0;                ///< Greatest speed on the path.
+  double camera_pitch_rad = 0.0;         ///< kLook: 0 horizontal, -pi/2 straight down.
+  Purpose purpose = Purpose::kUnknown;   ///< kLook.
+  std::uint32_t capture_id = 0;          ///< kLook.
   std::optional<CorridorPermit> permit;  ///< kFlyCorridor; without it the agent refuses.
 };
 
@@ -114,7 +116,7 @@ struct CommandAck {
   std::string reason;
 };
 
-/// The service lives and leads this vehicle. Sent several times a second from the start of a mission to its end.
+/// The service lives and leads this vehicle. Sent several times a second throughout a mission.
 struct MissionHeartbeat {
   std::uint32_t vehicle_id = 0;
   std::uint64_t mission_id = 0;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <numbers>
-#include <sstream>
 #include <utility>
+
+#include "shared/result/say.h"
 
 namespace soffit {
 namespace {
@@ -26,14 +26,6 @@ constexpr double kMaxStep_s = 0.25;
 constexpr double kGimbalTolerance_rad = 0.05;
 constexpr std::size_t kMaxAnswers = 256;
 constexpr std::size_t kMaxOldMissions = 256;
-
-template <class... Parts>
-std::string Say(const Parts&... parts) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(2);
-  (text << ... << parts);
-  return text.str();
-}
 
 double AngleBetween(double a_rad, double b_rad) {
   return std::abs(std::remainder(a_rad - b_rad, 2.0 * std::numbers::pi));

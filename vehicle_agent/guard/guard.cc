@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 
 #include "shared/geometry/polygon.h"
+#include "shared/result/say.h"
 
 namespace soffit {
 namespace {
@@ -14,14 +13,6 @@ constexpr double kSameDimension_m = 1e-3;
 constexpr double kFenceStep_m = 0.25;
 constexpr double kMinTakeoff_m = 0.5;
 constexpr double kMaxCorridorBend_m = 0.02;
-
-template <class... Parts>
-std::string Say(const Parts&... parts) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(2);
-  (text << ... << parts);
-  return text.str();
-}
 
 bool IsKnown(CommandKind kind) {
   switch (kind) {

@@ -17,8 +17,6 @@ struct Instant {
   std::int64_t utc_ns = 0;
 };
 
-constexpr double ToSeconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
-constexpr std::int64_t ToNanoseconds(double s) { return static_cast<std::int64_t>(s * 1e9); }
 constexpr double SecondsBetween(const Instant& earlier, const Instant& later) {
   return ToSeconds(later.steady_ns - earlier.steady_ns);
 }

@@ -247,7 +247,8 @@ TEST(Advance, GoesDownForWallsOnlyWhereAPictureFromAboveShowedTheGround) {
   for (const FlightCommand& command : flight.sent) {
     if (command.kind != CommandKind::kLook) continue;
     const Eigen::Vector3d place = command.path_in_map_m.back();
-    if (command.purpose == Purpose::kOverview || command.purpose == Purpose::kTop) from_above.push_back(place);
+    if (command.purpose == Purpose::kOverview || command.purpose == Purpose::kTop)
+      from_above.push_back(place);
     if (command.purpose != Purpose::kWall) continue;
     ++walls;
     EXPECT_TRUE(std::any_of(from_above.begin(), from_above.end(), [&](const Eigen::Vector3d& eye) {
@@ -565,6 +566,18 @@ TEST(Advance, HoldsWhilePausedAndGoesOnWhereItWas) {
   flight.Give(OperatorWish::kResume);
   flight.Run();
   EXPECT_EQ(flight.status().outcome, MissionOutcome::kFlown) << flight.status().message;
+}
+
+TEST(Advance, CommandsNothingWhenItLearnsWhilePausedWhatToLookAt) {
+  Flight flight;
+  flight.findings.map[0] = Box(1, 0.0, 30.0, 12.0, 0.75, 6.0);  // The ground around it has to be looked at.
+  flight.look = [&](Findings&) {
+    if (flight.status().step == MissionStep::kTop) flight.Give(OperatorWish::kPause);
+  };
+  flight.RunUntil([&] { return flight.status().state == MissionState::kPaused; });
+  ASSERT_EQ(flight.status().step, MissionStep::kTop);
+  ASSERT_EQ(flight.mission.views.size(), 1u);
+  EXPECT_FALSE(flight.mission.errand);
 }
 
 TEST(Advance, AbortsAtOnceAndComesHome) {

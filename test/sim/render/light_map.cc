@@ -126,11 +126,11 @@ struct Extent {
 };
 
 /// Where bodies stand that darken the ground visibly: all but those far away from the origin.
-Extent FindExtent(const std::vector<Body>& bodies) {
+Extent FindExtent(const std::vector<WorldBody>& bodies) {
   constexpr double kNear_m = 60.0;
   constexpr float kAround_m = 4.0F;
   Extent extent;
-  for (const Body& body : bodies) {
+  for (const WorldBody& body : bodies) {
     for (const Eigen::Vector3d& vertex : body.mesh_in_map.vertices_m) {
       if (vertex.head<2>().norm() > kNear_m) continue;
       const Eigen::Vector2f at = vertex.head<2>().cast<float>();
@@ -143,14 +143,14 @@ Extent FindExtent(const std::vector<Body>& bodies) {
 
 }  // namespace
 
-LightMap::LightMap(const std::vector<Body>& bodies, const std::vector<Paint>& paints, const Paint& ground,
-                   const Tracer& tracer, const SkyDome& sky)
+LightMap::LightMap(const std::vector<WorldBody>& bodies, const std::vector<Paint>& paints,
+                   const Paint& ground, const Tracer& tracer, const SkyDome& sky)
     : skylight_(sky.skylight()) {
   const Gatherer gatherer(paints, ground, tracer, sky);
   from_below_ =
       ground.color.cwiseProduct(sky.skylight() + std::max(0.0F, sky.toward_sun().z()) * sky.sunlight());
   std::uint64_t seed = 1;
-  for (const Body& body : bodies) {
+  for (const WorldBody& body : bodies) {
     auto& lattices = lattices_.emplace_back(body.mesh_in_map.triangles.size());
     if (body.is_round) continue;
     for (std::size_t t = 0; t < lattices.size(); ++t) {

@@ -14,7 +14,7 @@ namespace soffit::sim {
 /// passages are dark but not black, without noise.
 class LightMap {
  public:
-  LightMap(const std::vector<Body>& bodies, const std::vector<Paint>& paints, const Paint& ground,
+  LightMap(const std::vector<WorldBody>& bodies, const std::vector<Paint>& paints, const Paint& ground,
            const Tracer& tracer, const SkyDome& sky);
 
   /// What a white surface gives back of that light, where the ray met it.

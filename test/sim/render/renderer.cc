@@ -48,7 +48,7 @@ struct Patch {
   int count = 0;
 };
 
-bool IsSameThing(const Sample& a, const Sample& b, const std::vector<Body>& bodies) {
+bool IsSameThing(const Sample& a, const Sample& b, const std::vector<WorldBody>& bodies) {
   if (a.hit.body != b.hit.body) return false;
   if (a.hit.body < 0 || bodies[a.hit.body].is_round) return true;
   return a.hit.normal.dot(b.hit.normal) > 0.999F &&
@@ -70,9 +70,9 @@ struct Renderer::Stage {
         light_map(bodies, MixAll(bodies), ground, tracer, sky),
         paints(MixAll(bodies)) {}
 
-  static std::vector<Paint> MixAll(const std::vector<Body>& bodies) {
+  static std::vector<Paint> MixAll(const std::vector<WorldBody>& bodies) {
     std::vector<Paint> paints;
-    for (const Body& body : bodies) paints.push_back(Mix(body.finish, body.yaw_rad));
+    for (const WorldBody& body : bodies) paints.push_back(Mix(body.finish, body.yaw_rad));
     return paints;
   }
 
@@ -86,7 +86,7 @@ struct Renderer::Stage {
   CameraModel camera;
   float haze_m;
   int threads;
-  std::vector<Body> bodies;
+  std::vector<WorldBody> bodies;
   Paint ground;
   Lens lens;
   SkyDome sky;

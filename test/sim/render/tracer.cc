@@ -28,8 +28,8 @@ void Load(const RayPacket& rays, RTCRay16& out, std::array<int, kPacket>& valid)
 
 }  // namespace
 
-Tracer::Tracer(const std::vector<Body>& bodies) {
-  for (const Body& body : bodies) scene_.Add(body.mesh_in_map);
+Tracer::Tracer(const std::vector<WorldBody>& bodies) {
+  for (const WorldBody& body : bodies) scene_.Add(body.mesh_in_map);
   scene_.Commit();
 }
 

@@ -34,7 +34,7 @@ struct RayHit {
 /// The bodies and the ground (the plane z = 0) as Embree sees them.
 class Tracer {
  public:
-  explicit Tracer(const std::vector<Body>& bodies);
+  explicit Tracer(const std::vector<WorldBody>& bodies);
 
   std::array<RayHit, kPacket> Trace(const RayPacket& rays) const;
   std::array<bool, kPacket> IsBlocked(const RayPacket& rays) const;  ///< By a body, at any distance.

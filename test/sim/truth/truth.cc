@@ -121,7 +121,7 @@ const char* ToString(Outcome outcome) {
 Truth FindTruth(const World& world) {
   const Space space(world);
   std::vector<Triangle> all;
-  for (const Body& body : BuildBodies(world)) AddTriangles(body.mesh_in_map, all);
+  for (const WorldBody& body : BuildBodies(world)) AddTriangles(body.mesh_in_map, all);
   Truth truth;
   for (const Structure& building : world.buildings)
     truth.objects.push_back(Describe(building, world, space, all));

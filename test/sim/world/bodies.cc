@@ -118,8 +118,8 @@ Mesh BuildMesh(const Structure& structure) {
   return mesh;
 }
 
-std::vector<Body> BuildBodies(const World& world) {
-  std::vector<Body> bodies;
+std::vector<WorldBody> BuildBodies(const World& world) {
+  std::vector<WorldBody> bodies;
   for (const auto* structures : {&world.buildings, &world.obstacles, &world.scenery}) {
     for (const Structure& structure : *structures) {
       if (structure.is_absent) continue;

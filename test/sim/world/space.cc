@@ -84,14 +84,14 @@ double Distance(const Cylinder& cylinder, const Eigen::Vector3d& a, const Eigen:
 }
 
 struct Space::Index {
-  std::vector<Body> bodies;
+  std::vector<WorldBody> bodies;
   EmbreeScene scene;
 };
 
 namespace {
 
 struct Search {
-  const std::vector<Body>* bodies;
+  const std::vector<WorldBody>* bodies;
   Cylinder cylinder;
   double reach_m;  ///< From the cylinder's centre to its farthest point.
   double distance_m;
@@ -115,7 +115,7 @@ bool Visit(RTCPointQueryFunctionArguments* arguments) {
 
 Space::Space(const World& world) : index_(std::make_unique<Index>()) {
   index_->bodies = BuildBodies(world);
-  for (const Body& body : index_->bodies) index_->scene.Add(body.mesh_in_map);
+  for (const WorldBody& body : index_->bodies) index_->scene.Add(body.mesh_in_map);
   index_->scene.Commit();
 }
 Space::~Space() = default;

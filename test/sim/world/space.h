@@ -10,7 +10,7 @@
 namespace soffit::sim {
 
 /// The triangles of one part, in the map, and what they belong to.
-struct Body {
+struct WorldBody {
   std::string owner;  ///< Id of the structure; "bush" for bushes.
   Finish finish;
   double yaw_rad = 0.0;   ///< Patterns run along it.
@@ -20,7 +20,7 @@ struct Body {
 
 /// All bodies of a world: buildings, obstacles, scenery, bushes (in this order); not the ground. Absent
 /// buildings are left out. Polygons are triangulated exactly (GEOS, constrained Delaunay).
-std::vector<Body> BuildBodies(const World& world);
+std::vector<WorldBody> BuildBodies(const World& world);
 
 /// The triangles of one structure, in the map, whether it is absent or not.
 Mesh BuildMesh(const Structure& structure);

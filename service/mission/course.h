@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/mission/mission.h"
+
+namespace soffit {
+
+/// What the decisions about the building that is looked at come to.
+struct Course {
+  std::optional<ClearanceDecision> leave;  ///< To enter: the corridor that was looked along, else the widest.
+  bool was_looked_along = false;           ///< The corridor of `leave`.
+  std::vector<Viewpoint> wanted;           ///< What would settle open decisions.
+  bool is_blocked = false;                 ///< Every way through is.
+  std::string reasons;                     ///< Of all decisions, for people.
+};
+
+/// Leave to enter gives a CLEAR of the newest scene revision, for the dimensions that the vehicle states now.
+/// The mission's vehicle and findings have to be known.
+Course ChooseCourse(const Mission& mission);
+
+}  // namespace soffit
