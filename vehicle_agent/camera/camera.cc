@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 #include <optional>
 
 #include "vehicle_agent/camera/jpeg.h"
@@ -42,7 +43,10 @@ using Owned = std::unique_ptr<T, Unref>;
 class Pipeline {
  public:
   static Result<std::unique_ptr<Pipeline>> Make(const std::string& description, bool is_stream) {
-    if (gst_is_initialized() == FALSE) gst_init(nullptr, nullptr);
+    // While GStreamer loads a plugin for one thread, others do not find that plugin's elements.
+    static std::mutex making;
+    const std::lock_guard lock(making);
+    gst_init(nullptr, nullptr);
     const std::string whole = description + " ! appsink name=" + kSinkName + " sync=false" +
                               (is_stream ? " max-buffers=1 drop=true" : "");
     GError* raw_error = nullptr;

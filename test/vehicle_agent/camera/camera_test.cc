@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <random>
 
 #include "test/support/test_jpeg.h"
@@ -159,6 +160,19 @@ TEST(OpenCamera, RefusesAPipelineThatGStreamerDoesNotUnderstand) {
   const auto camera = OpenCamera(options);
   ASSERT_FALSE(camera.ok());
   EXPECT_THAT(camera.error().message, HasSubstr("nosuchsource"));
+}
+
+TEST(OpenCamera, OpensSeveralAtOnceInAFreshProcess) {
+  std::vector<std::future<std::string>> openings;
+  for (int i = 0; i < 8; ++i) {
+    openings.push_back(std::async(std::launch::async, [] {
+      CameraOptions options = SmallCamera();
+      options.pipeline = "souphttpsrc location=http://127.0.0.1:9/none.jpg";
+      const auto camera = OpenCamera(options);
+      return camera.ok() ? "" : camera.error().message;
+    }));
+  }
+  for (auto& opening : openings) EXPECT_EQ(opening.get(), "");
 }
 
 TEST(StreamCamera, GivesAPictureThatWasExposedAfterTheCall) {
