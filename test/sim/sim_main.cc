@@ -19,8 +19,10 @@ std::function<Status()> AddRun(CLI::App& app, soffit::sim::RunOptions& options) 
   CLI::App* run = app.add_subcommand("run", "Fly in a world, in real time, until SIGINT or SIGTERM");
   run->add_option("WORLD", options.world_file, "World file (YAML)")->required()->check(CLI::ExistingFile);
   run->add_option(
-         "--mavlink", options.mavlink_url,
-         "Link: udpout:HOST:PORT, udpin:HOST:PORT, tcpin:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD")
+         "--mavlink", options.mavlink_urls,
+         "Link: udpout:HOST:PORT, udpin:HOST:PORT, tcpin:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD; "
+         "a simulated autopilot may have several")
+      ->allow_extra_args(false)
       ->capture_default_str();
   run->add_option("--autopilot", options.autopilot,
                   "Simulated autopilot; none: only cameras, for an autopilot that flies elsewhere")

@@ -22,7 +22,7 @@ constexpr double kTimesyncEvery_s = 1.0;
 constexpr double kGimbalEvery_s = 1.0;
 constexpr double kOffboardWarmup_s = 1.0;  // PX4 takes OFFBOARD only when setpoints have been coming.
 constexpr double kComplaintLife_s = 40.0;  // ArduPilot repeats its PreArm texts every 30 s.
-constexpr double kLostGimbal_s = 2.0;
+constexpr std::int64_t kLostGimbal_ns = 2'000'000'000;
 constexpr std::uint32_t kRebootStep_ms = 1000;
 constexpr std::uint16_t kNeededEstimate = kEstimatorAttitude | kEstimatorVelocityHorizontal |
                                           kEstimatorVelocityVertical | kEstimatorPositionHorizontalAbsolute |
@@ -131,7 +131,7 @@ bool AutopilotClient::TakeHeartbeat(const Frame& frame, Instant now) {
 }
 
 void AutopilotClient::TakeFromAutopilot(const Frame& frame, Instant now) {
-  arrivals_[frame.message_id] = now;
+  arrivals_[frame.message_id].Add(now.steady_ns);
   if (const auto m = Decode<LocalPositionNed>(frame)) return TakePosition(*m, now);
   if (const auto m = Decode<AttitudeQuaternion>(frame)) return TakeAttitude(*m, now);
   if (const auto m = Decode<Timesync>(frame)) return TakeTimesync(*m, now);
@@ -188,7 +188,7 @@ void AutopilotClient::TakeFromGimbal(const Frame& frame, Instant now) {
     return;
   }
   if (!IsRotation(ned_from_gimbal)) return;
-  arrivals_[frame.message_id] = now;
+  if (frame.component_id != kComponentAutopilot) arrivals_[frame.message_id].Add(now.steady_ns);
   const Eigen::Quaterniond map_from_gimbal = MapFromBody(ned_from_gimbal);
   const Eigen::Vector3d view = map_from_gimbal * Eigen::Vector3d::UnitX();
   gimbal_pitch_rad_ = std::asin(std::clamp(view.z(), -1.0, 1.0));
@@ -327,7 +327,7 @@ Telemetry AutopilotClient::Report(Instant now) const {
   telemetry.origin = frame_.origin();
   const bool has_gimbal = std::any_of(arrivals_.begin(), arrivals_.end(), [&](const auto& arrival) {
     return (arrival.first == GimbalDeviceAttitudeStatus::kId || arrival.first == MountOrientation::kId) &&
-           IsFresh(arrival.second, kLostGimbal_s, now);
+           now.steady_ns - arrival.second.newest_ns() < kLostGimbal_ns;
   });
   if (has_gimbal) telemetry.gimbal_pitch_rad = gimbal_pitch_rad_;
   telemetry.has_position = HasPosition(now);
@@ -400,10 +400,10 @@ void AutopilotClient::KeepContact(Instant now) {
 void AutopilotClient::AskForMessages(Instant now) {
   for (const WantedMessage& wanted : ListWantedMessages(dialect_, has_gimbal_, options_.pose_rate_hz)) {
     const bool is_single = wanted.rate_hz == 0.0;
-    const double life_s =
-        is_single ? std::numeric_limits<double>::infinity() : std::max(1.5, 3.0 / wanted.rate_hz);
-    const auto arrival = arrivals_.find(wanted.id);
-    if (arrival != arrivals_.end() && IsFresh(arrival->second, life_s, now)) continue;
+    const Arrivals& arrivals = arrivals_[wanted.id];
+    const bool is_coming =
+        is_single ? !arrivals.IsEmpty() : arrivals.KeepUpWith(wanted.rate_hz, now.steady_ns);
+    if (is_coming) continue;
     Instant& asked = requests_[wanted.id];
     if (!IsDue(asked, kAskStreamEvery_s, now)) continue;
     asked = now;
@@ -506,7 +506,7 @@ void AutopilotClient::SendSetpoint(const Eigen::Vector3d& in_map_m, double yaw_r
 }
 
 void AutopilotClient::AimGimbal(const Intent& intent, Instant now) {
-  if (!intent.camera_pitch_rad || intent.kind == Intent::Kind::kNone) return;
+  if (!has_gimbal_ || !intent.camera_pitch_rad || intent.kind == Intent::Kind::kNone) return;
   const bool is_new = gimbal_wanted_rad_ != intent.camera_pitch_rad;
   if (!is_new && !IsDue(gimbal_sent_, kGimbalEvery_s, now)) return;
   gimbal_wanted_rad_ = intent.camera_pitch_rad;

@@ -10,6 +10,7 @@
 #include "shared/options/options.h"
 #include "vehicle_agent/autopilot/dialect.h"
 #include "vehicle_agent/autopilot/map_frame.h"
+#include "vehicle_agent/mavlink/arrivals.h"
 #include "vehicle_agent/mavlink/codec.h"
 #include "vehicle_agent/pose/clock_offset.h"
 #include "vehicle_agent/pose/pose_buffer.h"
@@ -60,12 +61,12 @@ struct AutopilotOptions {
 /// bring about an intent.
 ///
 /// ArduPilot Copter is flown in GUIDED, PX4 in OFFBOARD. Nothing is sent but what is needed for the present
-/// intent, and everything is repeated until the vehicle does it: message intervals after a reboot, modes,
-/// arming, takeoff. Pure: no socket, clock or thread; the same messages at the same times give the same
+/// intent, and everything is repeated until the vehicle does it: message intervals after a reboot or when
+/// another station has slowed them down, modes, arming, takeoff. Pure: no socket, clock or thread; the same messages at the same times give the same
 /// bytes.
 class AutopilotClient {
  public:
-  /// @param has_gimbal  Whether a gimbal is to be asked for its attitude.
+  /// @param has_gimbal  Whether there is a gimbal to aim, and to be asked for its attitude.
   explicit AutopilotClient(const AutopilotOptions& options, bool has_gimbal = false);
 
   /// Messages of other systems, and of components other than autopilot and gimbal, are left alone.
@@ -131,7 +132,7 @@ class AutopilotClient {
   std::uint8_t target_system_ = 0;
   mavlink::Heartbeat heartbeat_;
   Instant heartbeat_at_;
-  std::map<std::uint32_t, Instant> arrivals_;  ///< By message id.
+  std::map<std::uint32_t, mavlink::Arrivals> arrivals_;  ///< By message id, on the steady clock.
   std::map<std::uint32_t, Instant> requests_;
   std::uint8_t landed_state_ = 0;
   std::uint8_t gps_fix_ = 0;

@@ -1,5 +1,6 @@
 #include "vehicle_agent/mavlink/codec.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace soffit::mavlink {
@@ -80,22 +81,25 @@ const MessageInfo* FindMessage(std::uint32_t id) {
   return found != kCatalogue.end() && found->id == id ? &*found : nullptr;
 }
 
-std::vector<std::uint8_t> Encoder::Wrap(const MessageInfo& info, std::vector<std::uint8_t> payload) {
-  while (payload.size() > 1 && payload.back() == 0) payload.pop_back();
+std::vector<std::uint8_t> Pack(const Frame& frame) {
+  const auto is_zero = [](std::uint8_t byte) { return byte == 0; };
+  auto end = std::find_if_not(frame.payload.rbegin(), frame.payload.rend(), is_zero).base();
+  if (end == frame.payload.begin() && !frame.payload.empty()) ++end;  // One byte at least.
+  const auto length = static_cast<std::size_t>(end - frame.payload.begin());
   std::vector<std::uint8_t> packet;
-  packet.reserve(kHeaderLengthV2 + payload.size() + kChecksumLength);
+  packet.reserve(kHeaderLengthV2 + length + kChecksumLength);
   codec_internal::Writer writer{packet};
   const std::uint16_t no_flags = 0;
   writer.Put(kMagicV2);
-  writer.Put(static_cast<std::uint8_t>(payload.size()));
+  writer.Put(static_cast<std::uint8_t>(length));
   writer.Put(no_flags);
-  writer.Put(sequence_++);
-  writer.Put(system_id_);
-  writer.Put(component_id_);
-  writer.Put(static_cast<std::uint16_t>(info.id));
-  writer.Put(static_cast<std::uint8_t>(info.id >> 16));
-  packet.insert(packet.end(), payload.begin(), payload.end());
-  writer.Put(Checksum(packet, info.crc_extra));
+  writer.Put(frame.sequence);
+  writer.Put(frame.system_id);
+  writer.Put(frame.component_id);
+  writer.Put(static_cast<std::uint16_t>(frame.message_id));
+  writer.Put(static_cast<std::uint8_t>(frame.message_id >> 16));
+  packet.insert(packet.end(), frame.payload.begin(), end);
+  writer.Put(Checksum(packet, FindMessage(frame.message_id)->crc_extra));
   return packet;
 }
 

@@ -190,6 +190,9 @@ std::optional<Message> Decode(const Frame& frame) {
   return message;
 }
 
+/// The packet of a frame of a message in messages.h: MAVLink 2, unsigned, trailing zeros left out.
+std::vector<std::uint8_t> Pack(const Frame& frame);
+
 /// Makes packets, numbered in sequence, for one sender on one link. MAVLink 2, unsigned.
 class Encoder {
  public:
@@ -198,14 +201,12 @@ class Encoder {
 
   template <class Message>
   std::vector<std::uint8_t> Encode(const Message& message) {
-    std::vector<std::uint8_t> payload;
-    Message::Visit(message, codec_internal::Writer{payload});
-    return Wrap(InfoOf<Message>(), std::move(payload));
+    Frame frame{2, sequence_++, system_id_, component_id_, Message::kId, {}};
+    Message::Visit(message, codec_internal::Writer{frame.payload});
+    return Pack(frame);
   }
 
  private:
-  std::vector<std::uint8_t> Wrap(const MessageInfo& info, std::vector<std::uint8_t> payload);
-
   std::uint8_t system_id_;
   std::uint8_t component_id_;
   std::uint8_t sequence_ = 0;

@@ -11,7 +11,8 @@ enum VehicleType : std::uint8_t {
   kTypeQuadrotor = 2,
   kTypeGcs = 6,
   kTypeOnboardController = 18,
-  kTypeGimbal = 26
+  kTypeGimbal = 26,
+  kTypeCamera = 30
 };
 
 enum ComponentId : std::uint8_t {

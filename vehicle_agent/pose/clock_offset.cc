@@ -5,7 +5,7 @@
 namespace soffit {
 namespace {
 
-constexpr std::int64_t kWindow_ns = 10'000'000'000;
+constexpr std::int64_t kWindow_ns = 3'000'000'000;
 
 }  // namespace
 

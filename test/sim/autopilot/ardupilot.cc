@@ -88,7 +88,7 @@ class ArduPilot final : public Autopilot {
     is_failsafe_ = false;
     has_announced_battery_ = false;
     battery_low_since_s_.reset();
-    telemetry_.SetInterval(Heartbeat::kId, 1.0);
+    SetIntervalOnAllLinks(Heartbeat::kId, 1.0);
     Enter(kCopterStabilize);
     Announce(kSeverityInfo, "ArduCopter V4.5.6 (simulated by Soffit)");
   }
@@ -168,7 +168,7 @@ class ArduPilot final : public Autopilot {
     const double interval_s = is_on ? 1.0 / request.req_message_rate : 0.0;
     const auto set = [&](std::uint8_t stream, std::initializer_list<std::uint32_t> ids) {
       if (request.req_stream_id != stream && request.req_stream_id != kStreamAll) return;
-      for (const std::uint32_t id : ids) telemetry_.SetInterval(id, interval_s);
+      for (const std::uint32_t id : ids) asking_link().SetInterval(id, interval_s);
     };
     set(kStreamExtendedStatus, {SysStatus::kId, GpsRawInt::kId, PositionTargetLocalNed::kId});
     set(kStreamRcChannels, {RcChannels::kId});

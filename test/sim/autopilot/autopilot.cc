@@ -38,7 +38,7 @@ CommandRequest ToRequest(const CommandInt& m) {
 Autopilot::Autopilot(const AutopilotOptions& options, std::map<std::string, double> parameters)
     : options_(options),
       parameters_(std::move(parameters)),
-      telemetry_(options.system_id, kComponentAutopilot) {}
+      links_(options.link_count, Telemetry(options.system_id, kComponentAutopilot)) {}
 
 void Autopilot::SetGps(bool is_there) {
   if (has_gps_ != is_there) gps_changed_s_ = boot_s_;
@@ -59,7 +59,7 @@ void Autopilot::Reboot() {
   goal_ = {};
   frame_.reset();
   home_in_map_m_.reset();
-  telemetry_.Stop();
+  for (Telemetry& link : links_) link.Stop();
   Boot();
 }
 
@@ -70,12 +70,26 @@ void Autopilot::Crash() {
 
 void Autopilot::SetOrigin(const Eigen::Vector3d& in_map_m) {
   frame_.emplace(options_.map_origin, in_map_m);
-  telemetry_.SendNow(GpsGlobalOrigin::kId, MakeReport());
+  for (Telemetry& link : links_) link.SendNow(GpsGlobalOrigin::kId, MakeReport());
 }
 
 void Autopilot::SetHome(const Eigen::Vector3d& in_map_m) {
   home_in_map_m_ = in_map_m;
-  telemetry_.SendNow(HomePosition::kId, MakeReport());
+  for (Telemetry& link : links_) link.SendNow(HomePosition::kId, MakeReport());
+}
+
+void Autopilot::Announce(std::uint8_t severity, std::string_view text) {
+  for (Telemetry& link : links_) link.SendText(severity, text);
+}
+
+void Autopilot::SetIntervalOnAllLinks(std::uint32_t message_id, double interval_s) {
+  for (Telemetry& link : links_) link.SetInterval(message_id, interval_s);
+}
+
+void Autopilot::PassOn(const Frame& frame) {
+  for (std::size_t link = 0; link < links_.size(); ++link) {
+    if (link != asking_link_) links_[link].PassOn(frame);
+  }
 }
 
 Eigen::Vector3d Autopilot::StoppingPoint() const {
@@ -89,10 +103,14 @@ bool Autopilot::IsForUs(std::uint8_t system, std::uint8_t component) const {
          (component == 0 || component == kComponentAutopilot);
 }
 
-void Autopilot::Receive(const Frame& frame) {
+void Autopilot::Receive(const Frame& frame, std::size_t link) {
   if (frame.system_id == options_.system_id && frame.component_id == kComponentAutopilot)
     return;  // Our own echo.
-  if (Decode<Heartbeat>(frame)) return TakeHeartbeat(frame);
+  asking_link_ = link;
+  if (Decode<Heartbeat>(frame)) {
+    PassOn(frame);
+    return TakeHeartbeat(frame);
+  }
   if (const auto m = Decode<Timesync>(frame)) return AnswerTimesync(frame, *m);
   if (const auto m = Decode<CommandLong>(frame); m && IsForUs(m->target_system, m->target_component)) {
     return AnswerCommand(frame, ToRequest(*m));
@@ -108,11 +126,11 @@ void Autopilot::Receive(const Frame& frame) {
     return SetDataStream(*m);
   }
   if (const auto m = Decode<ParamRequestRead>(frame); m && IsForUs(m->target_system, m->target_component)) {
-    if (const auto answer = parameters_.Read(*m)) telemetry_.Send(*answer);
+    if (const auto answer = parameters_.Read(*m)) asking_link().Send(*answer);
     return;
   }
   if (const auto m = Decode<ParamSet>(frame); m && IsForUs(m->target_system, m->target_component)) {
-    if (const auto answer = parameters_.Write(*m)) telemetry_.Send(*answer);
+    if (const auto answer = parameters_.Write(*m)) asking_link().Send(*answer);
     return;
   }
   if (const auto m = Decode<SetGpsGlobalOrigin>(frame);
@@ -133,12 +151,12 @@ void Autopilot::AnswerCommand(const Frame& frame, const CommandRequest& request)
   ack.result = Execute(request);
   ack.target_system = frame.system_id;
   ack.target_component = frame.component_id;
-  telemetry_.Send(ack);
+  asking_link().Send(ack);
 }
 
 void Autopilot::AnswerTimesync(const Frame& frame, const Timesync& request) {
   if (request.tc1 != 0) return;  // The answer to ours.
-  telemetry_.Send(Timesync{BootNs(), request.ts1, frame.system_id, frame.component_id});
+  asking_link().Send(Timesync{BootNs(), request.ts1, frame.system_id, frame.component_id});
 }
 
 CommandResult Autopilot::ExecuteCommon(const CommandRequest& request) {
@@ -146,17 +164,17 @@ CommandResult Autopilot::ExecuteCommon(const CommandRequest& request) {
   switch (request.command) {
     case kCmdSetMessageInterval: {
       const double interval_us = request.param2;
-      return telemetry_.SetInterval(message_id, interval_us > 0.0 ? std::max(interval_us * 1e-6, 0.005) : 0.0)
+      return asking_link().SetInterval(message_id, interval_us > 0.0 ? std::max(interval_us * 1e-6, 0.005) : 0.0)
                  ? kResultAccepted
                  : kResultDenied;
     }
     case kCmdRequestMessage:
-      return telemetry_.SendNow(message_id, MakeReport()) ? kResultAccepted : kResultFailed;
+      return asking_link().SendNow(message_id, MakeReport()) ? kResultAccepted : kResultFailed;
     case kCmdRequestAutopilotCapabilities:
-      telemetry_.SendNow(AutopilotVersion::kId, MakeReport());
+      asking_link().SendNow(AutopilotVersion::kId, MakeReport());
       return kResultAccepted;
     case kCmdGetHomePosition:
-      return telemetry_.SendNow(HomePosition::kId, MakeReport()) ? kResultAccepted : kResultFailed;
+      return asking_link().SendNow(HomePosition::kId, MakeReport()) ? kResultAccepted : kResultFailed;
     case kCmdDoGimbalManagerConfigure:
       return kResultAccepted;
     case kCmdDoGimbalManagerPitchyaw:
@@ -202,10 +220,12 @@ MotorCommand Autopilot::Step(const Senses& senses, double dt_s) {
   if (!is_armed_) goal_.kind = FlightGoal::Kind::kMotorsOff;
   MotorCommand command = control_.Step(goal_, limits_, senses_.estimate, dt_s);
   gimbal_.Step(senses_.estimate.map_from_body, dt_s);
-  telemetry_.Step(MakeReport());
-  if (boot_s_ >= next_timesync_s_) {
-    next_timesync_s_ += kTimesyncPeriod_s;
-    telemetry_.Send(Timesync{0, BootNs(), 0, 0});
+  const bool is_timesync_due = boot_s_ >= next_timesync_s_;
+  if (is_timesync_due) next_timesync_s_ += kTimesyncPeriod_s;
+  const Report report = MakeReport();
+  for (Telemetry& link : links_) {
+    link.Step(report);
+    if (is_timesync_due) link.Send(Timesync{0, BootNs(), 0, 0});
   }
   return command;
 }

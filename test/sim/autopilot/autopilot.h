@@ -22,6 +22,7 @@ struct AutopilotOptions {
   GeodeticOrigin map_origin;
   bool is_quick_start = false;  ///< Ready after 3 s instead of after 41 s (ArduPilot) or 15 s (PX4).
   std::uint8_t system_id = 1;
+  std::size_t link_count = 1;  ///< Each has its own streams and answers.
 };
 
 /// What an autopilot feels at one step.
@@ -47,13 +48,18 @@ struct CommandRequest {
 
 /// A simulated autopilot: takes MAVLink packets, gives MAVLink packets, flies a vehicle step by step. Here is
 /// what all autopilots have in common; how each of them behaves is in ardupilot.cc and px4.cc.
+///
+/// It answers on the link on which it was asked, and a stream runs on the link that asked for it. Heartbeats of
+/// other components are passed on to the other links.
 class Autopilot {
  public:
   virtual ~Autopilot() = default;
 
-  void Receive(const mavlink::Frame& frame);
+  void Receive(const mavlink::Frame& frame, std::size_t link = 0);
   MotorCommand Step(const Senses& senses, double dt_s);
-  std::vector<std::vector<std::uint8_t>> TakePackets() { return telemetry_.TakePackets(); }
+  std::vector<std::vector<std::uint8_t>> TakePackets(std::size_t link = 0) {
+    return links_.at(link).TakePackets();
+  }
 
   bool is_armed() const { return is_armed_; }
   bool is_landed() const { return is_landed_; }
@@ -83,14 +89,15 @@ class Autopilot {
   mavlink::CommandResult ExecuteCommon(const CommandRequest& request);
   void SetHome(const Eigen::Vector3d& in_map_m);
   void SetOrigin(const Eigen::Vector3d& in_map_m);
-  void Announce(std::uint8_t severity, std::string_view text) { telemetry_.SendText(severity, text); }
+  void Announce(std::uint8_t severity, std::string_view text);
+  void SetIntervalOnAllLinks(std::uint32_t message_id, double interval_s);
+  Telemetry& asking_link() { return links_[asking_link_]; }
   double SecondsSince(double boot_s) const { return boot_s_ - boot_s; }
   Eigen::Vector3d StoppingPoint() const;
   Report MakeReport() const;
 
   const AutopilotOptions options_;
   Parameters parameters_;
-  Telemetry telemetry_;
   FlightControl control_;
   Gimbal gimbal_;
   std::optional<NedFrame> frame_;
@@ -108,11 +115,14 @@ class Autopilot {
   double last_heartbeat_of_gcs_s_ = -1.0;
 
  private:
+  void PassOn(const mavlink::Frame& frame);
   void AnswerCommand(const mavlink::Frame& frame, const CommandRequest& request);
   void AnswerTimesync(const mavlink::Frame& frame, const mavlink::Timesync& request);
   bool IsForUs(std::uint8_t system, std::uint8_t component) const;
   std::int64_t BootNs() const { return static_cast<std::int64_t>(boot_s_ * 1e9); }
 
+  std::vector<Telemetry> links_;
+  std::size_t asking_link_ = 0;
   double next_timesync_s_ = 1.0;
 };
 

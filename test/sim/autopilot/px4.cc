@@ -70,7 +70,7 @@ class Px4 final : public Autopilot {
         {LocalPositionNed::kId, 0.033}, {GlobalPositionInt::kId, 0.1}, {SysStatus::kId, 0.5},
         {BatteryStatus::kId, 1.0},      {ExtendedSysState::kId, 0.5},  {HomePosition::kId, 2.0},
         {GpsRawInt::kId, 0.2},          {EstimatorStatus::kId, 1.0},   {SystemTime::kId, 1.0}};
-    for (const auto& [id, interval_s] : streams) telemetry_.SetInterval(id, interval_s);
+    for (const auto& [id, interval_s] : streams) SetIntervalOnAllLinks(id, interval_s);
     Enter(kHold);
   }
 

@@ -133,14 +133,16 @@ template <>
 std::optional<HomePosition> Build(const Report& report) {
   if (!report.home_in_map_m || report.frame == nullptr) return std::nullopt;
   const auto geodetic = report.frame->GeodeticOf(*report.home_in_map_m);
-  const Eigen::Vector3d position = report.frame->FromMap(*report.home_in_map_m);
   HomePosition m;
   m.latitude = DegE7(geodetic.latitude_deg);
   m.longitude = DegE7(geodetic.longitude_deg);
   m.altitude = Millimetres(geodetic.altitude_amsl_m);
-  m.x = F(position.x());
-  m.y = F(position.y());
-  m.z = F(position.z());
+  if (report.autopilot == kAutopilotPx4) {  // ArduPilot leaves the local position zero, wherever home is.
+    const Eigen::Vector3d position = report.frame->FromMap(*report.home_in_map_m);
+    m.x = F(position.x());
+    m.y = F(position.y());
+    m.z = F(position.z());
+  }
   m.q = {1.0F, 0.0F, 0.0F, 0.0F};
   m.time_usec = BootUs(report);
   return m;

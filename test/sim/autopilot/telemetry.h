@@ -60,6 +60,8 @@ class Telemetry {
     packets_.push_back(encoder_.Encode(message));
   }
   void SendText(std::uint8_t severity, std::string_view text);
+  /// A packet of another sender, as it came.
+  void PassOn(const mavlink::Frame& frame) { packets_.push_back(mavlink::Pack(frame)); }
 
   /// The packets since the last call.
   std::vector<std::vector<std::uint8_t>> TakePackets() { return std::exchange(packets_, {}); }

@@ -61,15 +61,35 @@ void WriteWhole(const std::filesystem::path& file, const std::string& text) {
   std::filesystem::rename(fresh, file);
 }
 
+/// A link and what has been cut off at its end.
+struct Wire {
+  std::unique_ptr<mavlink::Link> link;
+  mavlink::FrameParser parser;
+};
+
+Result<std::vector<Wire>> OpenWires(const RunOptions& options) {
+  if (options.autopilot == "none" && options.mavlink_urls.size() != 1) {
+    return InvalidInput("an autopilot that flies elsewhere is followed on one --mavlink link, not on " +
+                        std::to_string(options.mavlink_urls.size()));
+  }
+  std::vector<Wire> wires;
+  for (const std::string& url : options.mavlink_urls) {
+    auto link = mavlink::OpenLink(url);
+    if (!link.ok()) return link.error();
+    wires.push_back({std::move(link).value(), {}});
+  }
+  return wires;
+}
+
 /// One run: everything that happens between the start and the signal to stop.
 class Session {
  public:
   Session(const RunOptions& options, const World& world, const Truth& truth,
-          std::unique_ptr<mavlink::Link> link)
+          std::vector<Wire> wires)
       : options_(options),
         world_(world),
         truth_(truth),
-        link_(std::move(link)),
+        wires_(std::move(wires)),
         space_(world),
         renderer_(world),
         flight_(MakeFlight()),
@@ -92,7 +112,9 @@ class Session {
   }
 
   void Go() {
-    const nlohmann::json ready = {{"mavlink", link_->Url()},
+    nlohmann::json urls;
+    for (const Wire& wire : wires_) urls.push_back(wire.link->Url());
+    const nlohmann::json ready = {{"mavlink", urls},
                                   {"camera_port", cameras_.port()},
                                   {"control_port", control_.port()},
                                   {"out", options_.out_folder}};
@@ -109,21 +131,26 @@ class Session {
   std::unique_ptr<Flight> MakeFlight() const {
     if (options_.autopilot == "none") return FollowFlight(world_, space_, truth_);
     const auto kind = options_.autopilot == "px4" ? AutopilotKind::kPx4 : AutopilotKind::kArduPilot;
-    return SimulateFlight(world_, space_, truth_, {kind, options_.is_quick_start, options_.seed, UtcNs()});
+    return SimulateFlight(world_, space_, truth_, {kind, options_.is_quick_start, options_.seed, UtcNs(), wires_.size()});
   }
 
   void Round() {
-    const auto bytes = link_->Receive(kRound);
+    std::vector<std::vector<mavlink::Frame>> frames;  // By link. The first one gives the beat.
+    for (Wire& wire : wires_) {
+      frames.push_back(wire.parser.Feed(wire.link->Receive(frames.empty() ? kRound : milliseconds(0))));
+    }
     const std::lock_guard lock(mutex_);
     const std::int64_t now_ns = UtcNs();
     const bool is_link_off = now_ns < link_off_until_ns_;
-    WatchLink(!bytes.empty(), now_ns);
-    for (const mavlink::Frame& frame : parser_.Feed(bytes)) {
-      if (!is_link_off) flight_->Receive(frame, now_ns);
+    WatchLink(!frames.front().empty(), now_ns);
+    for (std::size_t i = 0; i < wires_.size() && !is_link_off; ++i) {
+      for (const mavlink::Frame& frame : frames[i]) flight_->Receive(frame, now_ns, i);
     }
     flight_->Advance(now_ns);
-    for (const auto& packet : flight_->TakePackets()) {
-      if (!is_link_off) link_->Send(packet);
+    for (std::size_t i = 0; i < wires_.size(); ++i) {
+      for (const auto& packet : flight_->TakePackets(i)) {
+        if (!is_link_off) wires_[i].link->Send(packet);
+      }
     }
     if (now_ns >= next_track_ns_) {
       next_track_ns_ = now_ns + kTrackPeriod_ns;
@@ -140,7 +167,8 @@ class Session {
   void WatchLink(bool has_heard, std::int64_t now_ns) {
     if (has_heard || options_.autopilot != "none") silent_since_ns_ = now_ns;
     if (now_ns - silent_since_ns_ < kSilence_ns) return;
-    spdlog::warn("nothing is heard on {}: is the autopilot running, and is this its link?", link_->Url());
+    spdlog::warn("nothing is heard on {}: is the autopilot running, and is this its link?",
+                 wires_.front().link->Url());
     silent_since_ns_ = now_ns;
   }
 
@@ -203,8 +231,7 @@ class Session {
   const RunOptions& options_;
   const World& world_;
   const Truth& truth_;
-  std::unique_ptr<mavlink::Link> link_;
-  mavlink::FrameParser parser_;
+  std::vector<Wire> wires_;
   Space space_;
   Renderer renderer_;
   std::mutex mutex_;  ///< Of the flight and of what follows.
@@ -226,15 +253,15 @@ Status Run(const RunOptions& options) {
   std::signal(SIGTERM, [](int) { stop_requested = 1; });
   const auto world = LoadWorld(options.world_file);
   if (!world.ok()) return world.error();
-  auto link = mavlink::OpenLink(options.mavlink_url);
-  if (!link.ok()) return link.error();
+  auto wires = OpenWires(options);
+  if (!wires.ok()) return wires.error();
   std::error_code problem;
   std::filesystem::create_directories(options.out_folder, problem);
   if (problem) return InvalidInput("folder '" + options.out_folder + "': " + problem.message());
   const Truth truth = FindTruth(world.value());
   spdlog::info("{}: {} ({})", world.value().name, ToString(truth.expected), truth.reason);
   try {
-    Session(options, world.value(), truth, std::move(link).value()).Go();
+    Session(options, world.value(), truth, std::move(wires).value()).Go();
     return OkStatus();
   } catch (const std::runtime_error& failure) {
     return Error{Error::Code::kUnavailable, failure.what()};

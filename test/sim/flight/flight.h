@@ -19,12 +19,12 @@ class Flight {
  public:
   virtual ~Flight() = default;
 
-  /// A packet from the link, heard at `utc_ns`.
-  virtual void Receive(const mavlink::Frame& frame, std::int64_t utc_ns) = 0;
+  /// A packet from a link, heard at `utc_ns`.
+  virtual void Receive(const mavlink::Frame& frame, std::int64_t utc_ns, std::size_t link = 0) = 0;
   /// Moves on to `utc_ns`, step by step.
   virtual void Advance(std::int64_t utc_ns) = 0;
-  /// What to send on the link.
-  virtual std::vector<std::vector<std::uint8_t>> TakePackets() = 0;
+  /// What to send on a link.
+  virtual std::vector<std::vector<std::uint8_t>> TakePackets(std::size_t link = 0) = 0;
 
   /// Makes something go wrong: "pilot LOITER", "gps off|on", "radio off|on", "battery 0.1", "reboot",
   /// "break".
@@ -54,6 +54,7 @@ struct SimulatedFlightOptions {
   bool is_quick_start = false;
   std::uint64_t seed = 0;
   std::int64_t start_utc_ns = 0;
+  std::size_t link_count = 1;
 };
 
 /// All of it simulated: vehicle, wind, estimator, autopilot. A contact breaks the vehicle: it falls. Same
@@ -61,9 +62,10 @@ struct SimulatedFlightOptions {
 std::unique_ptr<Flight> SimulateFlight(const World& world, const Space& space, const Truth& truth,
                                        const SimulatedFlightOptions& options);
 
-/// Follows an autopilot that flies elsewhere: its reported pose is taken as the truth. Asks it for
-/// LOCAL_POSITION_NED, ATTITUDE_QUATERNION, HOME_POSITION, EXTENDED_SYS_STATE and the gimbal's attitude, and
-/// again when they stop coming.
+/// Follows an autopilot that flies elsewhere: its reported pose is taken as the truth, and the world lies about
+/// the first home that it reports, wherever on Earth that is. Asks it for LOCAL_POSITION_NED,
+/// ATTITUDE_QUATERNION, HOME_POSITION, GPS_GLOBAL_ORIGIN, EXTENDED_SYS_STATE and the gimbal's attitude, and again
+/// when they stop coming or come too slowly. It has one link.
 std::unique_ptr<Flight> FollowFlight(const World& world, const Space& space, const Truth& truth);
 
 }  // namespace soffit::sim

@@ -15,6 +15,7 @@ using namespace mavlink;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 constexpr std::int64_t kStart_ns = 1'700'000'000'000'000'000;
@@ -330,21 +331,126 @@ TEST(FollowedFlight, TakesThePoseThatAnotherAutopilotReports) {
   EXPECT_FALSE(followed->Disturb("gps off").ok());
 }
 
-TEST(FollowedFlight, AsksAgainWhenTheAutopilotFallsSilent) {
+/// An autopilot of few words, and the one who follows it.
+class Followed {
+ public:
+  template <class Message>
+  void Say(const Message& message) {
+    for (const Frame& frame : parser_.Feed(encoder_.Encode(message))) flight->Receive(frame, now_ns);
+  }
+  void SayPosition(float north_m, float east_m, float down_m) {
+    Say(LocalPositionNed{.time_boot_ms = boot_ms, .x = north_m, .y = east_m, .z = down_m});
+  }
+  void Pass(std::int64_t ms, std::int64_t autopilot_ms) {
+    now_ns += ms * 1'000'000;
+    boot_ms += static_cast<std::uint32_t>(autopilot_ms);
+  }
+  /// The messages that it asks for now.
+  std::vector<int> Asks() {
+    std::vector<int> ids;
+    flight->Advance(now_ns);
+    for (const auto& packet : flight->TakePackets()) {
+      for (const Frame& frame : parser_.Feed(packet)) {
+        if (const auto m = Decode<CommandLong>(frame)) ids.push_back(static_cast<int>(m->param1));
+      }
+    }
+    return ids;
+  }
+
+  const World world = ArchWorld();
+  const Space space{world};
+  const Truth truth = ArchTruth();
+  const std::unique_ptr<Flight> flight = FollowFlight(world, space, truth);
+  std::int64_t now_ns = kStart_ns;
+  std::uint32_t boot_ms = 1000;
+
+ private:
+  Encoder encoder_{1, kComponentAutopilot};
+  FrameParser parser_;
+};
+
+TEST(FollowedFlight, LaysTheWorldAboutTheFirstHomeWhereverTheLocalFrameBegins) {
+  Followed followed;
+  followed.SayPosition(0, 0, 0);
+  EXPECT_FALSE(followed.flight->poses().At(kStart_ns).has_value());  // Nobody knows where that is.
+  followed.Say(GpsGlobalOrigin{-353632610, 1491652300, 584000, 0});
+  // Home as ArduPilot tells it: without its place in the local frame.
+  HomePosition home;
+  home.latitude = -353632610 + 1000;  // 11.1 m north of the origin,
+  home.longitude = 1491652300 - 1000;
+  home.altitude = 583'960;  // 4 cm below it.
+  followed.Say(home);
+  home.latitude += 5000;  // It is set anew when the vehicle arms.
+  followed.Say(home);
+  followed.Pass(20, 20);
+  followed.SayPosition(11.1F, -9.1F, -2.0F);
+  const auto pose = followed.flight->poses().At(followed.now_ns);
+  ASSERT_TRUE(pose.has_value());
+  EXPECT_LT((pose->position_m - Eigen::Vector3d(0.0, 0.0, 2.04)).norm(), 0.05);
+}
+
+TEST(FollowedFlight, HasPosesOfThisMomentWhenTheAutopilotsClockRunsSlow) {
+  Followed followed;
+  followed.Say(GpsGlobalOrigin{-353632610, 1491652300, 584000, 0});
+  followed.Say(HomePosition{.latitude = -353632610, .longitude = 1491652300, .altitude = 584000});
+  for (int i = 0; i < 3000; ++i) {  // A minute in which the machine was too busy for 6 s of it.
+    followed.Pass(20, 18);
+    followed.SayPosition(0, 0, 0);
+  }
+  EXPECT_TRUE(followed.flight->poses().At(followed.now_ns - 400'000'000).has_value());
+  EXPECT_FALSE(followed.flight->poses().At(followed.now_ns + 100'000'000).has_value());
+}
+
+TEST(FollowedFlight, AsksForWhatDoesNotComeOrComesTooSlowly) {
+  Followed followed;
+  EXPECT_THAT(followed.Asks(), IsEmpty());  // Nobody is there.
+  followed.Say(Heartbeat{});
+  EXPECT_THAT(followed.Asks(), SizeIs(6));
+  followed.Pass(1000, 1000);
+  EXPECT_THAT(followed.Asks(), IsEmpty());
+  followed.Pass(1000, 1000);
+  EXPECT_THAT(followed.Asks(), SizeIs(6));
+  const auto listen = [&](int positions_hz) {
+    for (int i = 0; i < 2 * positions_hz; ++i) {
+      followed.Pass(1000 / positions_hz, 1000 / positions_hz);
+      followed.SayPosition(0, 0, 0);
+    }
+    return followed.Asks();
+  };
+  EXPECT_THAT(listen(50), Not(::testing::Contains(static_cast<int>(LocalPositionNed::kId))));
+  EXPECT_THAT(listen(4), ::testing::Contains(static_cast<int>(LocalPositionNed::kId)));
+  EXPECT_THAT(listen(50), ::testing::Contains(static_cast<int>(HomePosition::kId)));
+  followed.Say(HomePosition{});
+  EXPECT_THAT(listen(50), Not(::testing::Contains(static_cast<int>(HomePosition::kId))));
+}
+
+TEST(SimulatedFlight, StreamsOnTheLinkThatAskedAndPassesHeartbeatsOn) {
   const World world = ArchWorld();
   const Space space(world);
-  const Truth truth = ArchTruth();
-  const auto followed = FollowFlight(world, space, truth);
-  followed->Advance(kStart_ns);
-  EXPECT_THAT(followed->TakePackets(), IsEmpty());  // Nobody is there.
-  Encoder encoder(1, kComponentAutopilot);
-  followed->Receive(FrameParser().Feed(encoder.Encode(Heartbeat{})).at(0), kStart_ns);
-  followed->Advance(kStart_ns);
-  EXPECT_THAT(followed->TakePackets(), SizeIs(5));
-  followed->Advance(kStart_ns + 1'000'000'000);
-  EXPECT_THAT(followed->TakePackets(), IsEmpty());
-  followed->Advance(kStart_ns + 3'000'000'000);
-  EXPECT_THAT(followed->TakePackets(), SizeIs(5));
+  SimulatedFlightOptions options = Quick();
+  options.link_count = 2;
+  const auto flight = SimulateFlight(world, space, ArchTruth(), options);
+  Encoder companion(1, kComponentOnboardComputer);
+  FrameParser parser;
+  CommandLong ask{.param1 = Attitude::kId, .param2 = 20'000, .command = kCmdSetMessageInterval};
+  ask.target_system = 1;
+  for (const Frame& frame : parser.Feed(companion.Encode(ask))) flight->Receive(frame, kStart_ns, 1);
+  for (const Frame& frame : parser.Feed(companion.Encode(Heartbeat{}))) flight->Receive(frame, kStart_ns, 1);
+  flight->Advance(kStart_ns + 1'500'000'000);
+  const auto count = [&](std::size_t link, std::uint32_t id, std::uint8_t component) {
+    int found = 0;
+    for (const auto& packet : flight->TakePackets(link)) {
+      for (const Frame& frame : parser.Feed(packet))
+        found += frame.message_id == id && frame.component_id == component;
+    }
+    return found;
+  };
+  EXPECT_GT(count(1, Attitude::kId, kComponentAutopilot), 70);
+  flight->Advance(kStart_ns + 2'500'000'000);
+  EXPECT_EQ(count(1, Heartbeat::kId, kComponentAutopilot), 1);
+  EXPECT_EQ(count(0, Heartbeat::kId, kComponentOnboardComputer), 1);
+  flight->Advance(kStart_ns + 4'500'000'000);
+  EXPECT_EQ(count(0, Attitude::kId, kComponentAutopilot), 0);
 }
 
 }  // namespace

@@ -29,17 +29,22 @@ class SimulatedFlight : public Flight {
         air_(world.wind, options.seed + 101),
         estimator_(world.pose_noise, options.seed + 201),
         vehicle_(StartOf(world)),
-        autopilot_(options.autopilot == AutopilotKind::kPx4
-                       ? MakePx4({world.origin, options.is_quick_start})
-                       : MakeArduPilot({world.origin, options.is_quick_start})) {}
+        autopilot_((options.autopilot == AutopilotKind::kPx4 ? MakePx4 : MakeArduPilot)(
+            {.map_origin = world.origin,
+             .is_quick_start = options.is_quick_start,
+             .link_count = options.link_count})) {}
 
-  void Receive(const mavlink::Frame& frame, std::int64_t) override { autopilot_->Receive(frame); }
+  void Receive(const mavlink::Frame& frame, std::int64_t, std::size_t link) override {
+    autopilot_->Receive(frame, link);
+  }
 
   void Advance(std::int64_t utc_ns) override {
     while (utc_ns_ + kStep_ns <= utc_ns) Step();
   }
 
-  std::vector<std::vector<std::uint8_t>> TakePackets() override { return autopilot_->TakePackets(); }
+  std::vector<std::vector<std::uint8_t>> TakePackets(std::size_t link) override {
+    return autopilot_->TakePackets(link);
+  }
 
   Status Disturb(const std::string& words) override {
     std::istringstream stream(words);

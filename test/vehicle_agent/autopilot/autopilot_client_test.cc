@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numbers>
 
 #include "test/support/fake_autopilot.h"
@@ -252,15 +253,55 @@ TEST(AutopilotClient, SendsNothingIntoAModeOfThePilots) {
   EXPECT_EQ(talk.CountCommands(mavlink::kCmdDoSetMode), mode_commands);
 }
 
-TEST(AutopilotClient, AimsTheGimbal) {
+TEST(AutopilotClient, AimsTheGimbalThatItHas) {
+  for (const bool has_gimbal : {true, false}) {
+    Talk talk(mavlink::kAutopilotArduPilot, has_gimbal);
+    talk.Run(4.0);
+    talk.TakeOff(3.0);
+    talk.intent.kind = Intent::Kind::kFlyTo;
+    talk.intent.camera_pitch_rad = -0.5;
+    talk.Run(0.1);
+    ASSERT_EQ(talk.autopilot.gimbal_aims.size(), has_gimbal ? 1U : 0U);
+    for (const auto& aim : talk.autopilot.gimbal_aims) EXPECT_NEAR(aim.pitch, -0.5, 1e-6);
+  }
+}
+
+TEST(AutopilotClient, AsksAgainWhenAnotherStationHasSlowedAStreamDown) {
+  Talk talk;
+  talk.Run(5.0);
+  mavlink::CommandLong slow;
+  slow.target_system = 1;
+  slow.command = mavlink::kCmdSetMessageInterval;
+  slow.param1 = mavlink::LocalPositionNed::kId;
+  slow.param2 = 250'000.0F;
+  mavlink::Encoder ground(255, 190);
+  mavlink::FrameParser parser;
+  for (const auto& frame : parser.Feed(ground.Encode(slow))) talk.autopilot.Receive(frame);
+  const std::size_t asked = talk.autopilot.commands.size();
+  talk.Run(5.0);
+  ASSERT_GT(talk.autopilot.commands.size(), asked);
+  EXPECT_EQ(talk.autopilot.commands.back().param1, slow.param1);
+  EXPECT_NEAR(talk.autopilot.commands.back().param2, 20'000.0, 1.0);
+}
+
+TEST(AutopilotClient, LeavesTheOtherComponentsOfItsVehicleAlone) {
   Talk talk;
   talk.Run(4.0);
-  talk.TakeOff(3.0);
-  talk.intent.kind = Intent::Kind::kFlyTo;
-  talk.intent.camera_pitch_rad = -0.5;
-  talk.Run(0.1);
-  ASSERT_EQ(talk.autopilot.gimbal_aims.size(), 1U);
-  EXPECT_NEAR(talk.autopilot.gimbal_aims[0].pitch, -0.5, 1e-6);
+  mavlink::FrameParser parser;
+  for (const std::uint8_t component : std::to_array<std::uint8_t>({100, 154, 156, 191})) {  // Camera, gimbal, ADS-B, a companion.
+    mavlink::Encoder other(1, component);
+    mavlink::Heartbeat heartbeat;
+    heartbeat.custom_mode = mavlink::kCopterLand;
+    heartbeat.autopilot = component == 154 ? mavlink::kAutopilotArduPilot : mavlink::kAutopilotInvalid;
+    heartbeat.system_status = mavlink::kStateCritical;
+    for (const auto& frame : parser.Feed(other.Encode(heartbeat))) talk.client.Receive(frame, talk.now);
+    mavlink::LocalPositionNed elsewhere;
+    elsewhere.x = 1000.0F;
+    for (const auto& frame : parser.Feed(other.Encode(elsewhere))) talk.client.Receive(frame, talk.now);
+  }
+  EXPECT_EQ(talk.Report().mode, "STABILIZE");
+  EXPECT_FALSE(talk.Report().is_in_failsafe);
+  EXPECT_LT(talk.Report().position_in_map_m.norm(), 0.02);
 }
 
 TEST(AutopilotClient, FollowsTheGimbalsAttitude) {

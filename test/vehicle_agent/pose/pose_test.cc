@@ -102,6 +102,17 @@ TEST(ClockOffset, FollowsAClockThatDrifts) {
   EXPECT_LT(std::abs(*clock.ToUtc(0) - truth_ns), kMs / 2);
 }
 
+TEST(ClockOffset, FollowsAClockThatFallsBehind) {
+  ClockOffset clock;  // Of a simulator on a machine that is too slow: 50 ms are lost each second.
+  std::int64_t truth_ns = 0;
+  for (int i = 1; i <= 60; ++i) {
+    truth_ns = kOffset_ns + i * 50 * kMs;
+    const std::int64_t remote_ns = i * 950 * kMs;
+    clock.AddExchange(truth_ns + remote_ns - kMs, remote_ns, truth_ns + remote_ns + kMs);
+  }
+  EXPECT_LT(truth_ns - *clock.ToUtc(0), 200 * kMs);
+}
+
 TEST(ClockOffset, IgnoresImpossibleExchanges) {
   ClockOffset clock;
   clock.AddExchange(100 * kMs, 1, 50 * kMs);
