@@ -22,9 +22,11 @@ def parse_arguments():
     parser.add_argument("--seed", type=int, metavar="N", help="fly in a random world drawn from this seed")
     parser.add_argument("--out", type=Path, default=Path("soffit-demo"), metavar="DIR", help="default: soffit-demo")
     parser.add_argument("--autopilot", default="ardupilot", metavar="WHAT",
-                        help="ardupilot or px4 (simulated), or the link of a real one, such as tcp:127.0.0.1:5760")
+                        help="ardupilot or px4 (simulated), or the link of one that flies elsewhere: "
+                             "tcp:127.0.0.1:5760 for a SITL")
     parser.add_argument("--follow", default="", metavar="LINK",
-                        help="with a real autopilot: a second link of it, where the simulator hears its pose")
+                        help="a second link of that autopilot, where the simulator hears its pose; "
+                             "of a SITL on TCP it is known")
     parser.add_argument("--cold-start", action="store_true", help="the simulated autopilot takes 41 s to get ready")
     parser.add_argument("--timeout", type=float, default=900.0, metavar="S", help="give up after this time")
     return parser.parse_args()
@@ -75,7 +77,7 @@ def main():
         raise MissionError(f"{out} is not empty and not the folder of an earlier demo: give another --out")
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir(parents=True)
-    options = Options(seed=arguments.seed or 1, autopilot=arguments.autopilot, follow_url=arguments.follow,
+    options = Options(seed=arguments.seed or 1, autopilot=arguments.autopilot, follow=arguments.follow,
                       quick_start=not arguments.cold_start, timeout_s=arguments.timeout)
     mission = Mission(choose_world(arguments, options, out), out, options)
     outcome = mission.fly()

@@ -35,10 +35,14 @@ class Options:
     bin_dir: Path = ROOT / "build" / "release" / "bin"
     seed: int = 1
     timeout_s: float = 900.0
-    autopilot: str = "ardupilot"      # ardupilot, px4: simulated; or the URL of a real one
-    follow_url: str = ""              # with a real autopilot: where the simulator hears its pose
+    autopilot: str = "ardupilot"      # ardupilot, px4: simulated; or the link of one that flies elsewhere
+    follow: str = ""                  # a second link of that one, where the simulator hears its pose
     quick_start: bool = True
     verbose: bool = True              # live progress on the terminal
+
+    @property
+    def is_elsewhere(self):
+        return ":" in self.autopilot
 
 
 @dataclass
@@ -53,6 +57,16 @@ class Outcome:
     passage_flown: bool = False
     duration_s: float = 0.0
     peak_mib: dict = field(default_factory=dict)
+
+
+def second_link(link):
+    """Another link of the autopilot behind `link`: a SITL at tcp:HOST:5760 (+ 10 for each instance) also listens on
+    ports 5762 and 5763."""
+    scheme, _, port = link.partition(":")[0], *link.rpartition(":")[1:]
+    step = {"0": 2, "2": 1, "3": -1}.get(port[-1:])
+    if scheme != "tcp" or not port.isdigit() or step is None:
+        raise MissionError(f"the simulator needs a link of its own to the autopilot on {link}: give --follow, too")
+    return link[:-len(port)] + str(int(port) + step)
 
 
 def free_udp_port():
@@ -168,16 +182,18 @@ class Mission:
         self.expected = json.loads(self.call(self.tool("soffit-sim"), "truth", self.world))
 
     def start_programs(self, radio, local):
-        real = ":" in self.options.autopilot  # The link of one, not the name of a simulated one.
-        port = free_udp_port()
-        simulator = self.start(
-            "soffit-sim", "run", self.world, "--out", self.out / "truth", "--seed", self.options.seed,
-            "--autopilot", "none" if real else self.options.autopilot,
-            "--mavlink", self.options.follow_url if real else f"udpout:127.0.0.1:{port}",
-            *(["--quick-start"] if self.options.quick_start and not real else []))
+        options = self.options
+        if options.is_elsewhere:
+            link, flying = options.autopilot, ["--autopilot", "none", "--mavlink",
+                                               options.follow or second_link(options.autopilot)]
+        else:
+            port = free_udp_port()
+            link, flying = f"udpin:127.0.0.1:{port}", ["--autopilot", options.autopilot, "--mavlink",
+                                                       f"udpout:127.0.0.1:{port}"]
+            flying += ["--quick-start"] if options.quick_start else []
+        simulator = self.start("soffit-sim", "run", self.world, "--out", self.out / "truth", "--seed", options.seed, *flying)
         cameras = simulator.read_json_line(60)["camera_port"]
         self.start("soffitd", "--config", self.write_config("soffitd", self.service_config(radio, local)))
-        link = self.options.autopilot if real else f"udpin:127.0.0.1:{port}"
         self.start("soffit-agent", "--config", self.write_config("agent", self.agent_config(radio, link, cameras)))
 
     def start(self, name, *arguments):
@@ -197,13 +213,16 @@ class Mission:
     def agent_config(self, radio, link, camera_port):
         camera = self.setting["camera"]
         highest_m = self.setting["mission"]["overview_altitude_m"]
+        # A SITL's battery lasts as long as a small one in the air, whatever was flown with it before.
+        least_battery = 0.1 if self.options.is_elsewhere else 0.25
         source = f"souphttpsrc location=http://127.0.0.1:{camera_port}/%s.jpg"
         return {
             "vehicle": {"id": VEHICLE_ID, "name": "demo", **self.setting["vehicle"]},
             "mavlink": link,
             "radio": {"domain_id": radio},
             "autopilot": self.setting["pose_noise"],
-            "guard": {"ceiling_m": max(60.0, 1.6 * highest_m), "max_distance_m": max(200.0, 4.0 * highest_m)},
+            "guard": {"ceiling_m": max(60.0, 1.6 * highest_m), "max_distance_m": max(200.0, 4.0 * highest_m),
+                      "min_battery_ratio": least_battery},
             "cameras": {"forward": {"pipeline": source % "forward", **camera},
                         "down": {"pipeline": source % "down", "mount": {"pitch_deg": -90.0}, **camera}},
         }
@@ -220,17 +239,21 @@ class Mission:
         client = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         os.set_blocking(client.stdout.fileno(), False)
         until = time.monotonic() + self.options.timeout_s
-        while client.poll() is None:
+        try:
+            while client.poll() is None:
+                self.pass_on(client, log)
+                dead = [p for p in self.processes if not p.alive()]
+                if dead:
+                    raise MissionError(f"{dead[0].name} died: {dead[0].last_words()}")
+                if time.monotonic() > until:
+                    raise MissionError(f"the mission did not end within {self.options.timeout_s:.0f} s: "
+                                       f"{self.processes[-1].last_words()} (see {self.out}/log)")
+                time.sleep(0.05)
             self.pass_on(client, log)
-            dead = [p for p in self.processes if not p.alive()]
-            if dead or time.monotonic() > until:
-                client.terminate()
-                client.wait()
-                raise MissionError(f"{dead[0].name} died: {dead[0].last_words()}" if dead else
-                                   f"the mission did not end within {self.options.timeout_s:.0f} s, see {self.out}/log")
-            time.sleep(0.05)
-        self.pass_on(client, log)
-        client.stdout.close()
+        finally:
+            client.terminate()
+            client.wait()
+            client.stdout.close()
 
     def pass_on(self, client, log):
         text = (client.stdout.read() or b"").decode(errors="replace")
