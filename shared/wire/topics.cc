@@ -3,51 +3,21 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
-#include "shared/wire/basic.h"
+#include "shared/result/say.h"
+#include "shared/wire/fields.h"
 
 namespace soffit {
 namespace {
 
 constexpr std::size_t kMaxPictureBytes = std::size_t{64} << 20;
 constexpr std::size_t kMaxPathPoints = 256;
+constexpr double kMaxSide_px = 65536.0;
 constexpr int kPoseSize = 6;
-
-template <class To, class From>
-To EnumAs(From value) {
-  return static_cast<To>(static_cast<int>(value));
-}
-
-wire::Intrinsics IntrinsicsToWire(const Intrinsics& k) {
-  wire::Intrinsics out;
-  out.width_px(static_cast<std::uint32_t>(std::max(k.width_px, 0)));
-  out.height_px(static_cast<std::uint32_t>(std::max(k.height_px, 0)));
-  out.fx_px(k.fx_px);
-  out.fy_px(k.fy_px);
-  out.cx_px(k.cx_px);
-  out.cy_px(k.cy_px);
-  out.plumb_bob(k.distortion);
-  return out;
-}
-
-Intrinsics IntrinsicsFromWire(const wire::Intrinsics& k) {
-  return {static_cast<int>(k.width_px()),
-          static_cast<int>(k.height_px()),
-          k.fx_px(),
-          k.fy_px(),
-          k.cx_px(),
-          k.cy_px(),
-          k.plumb_bob()};
-}
-
-void CheckIntrinsics(const wire::Intrinsics& k, Check& check) {
-  constexpr std::uint32_t kMaxSide_px = 1 << 16;
-  check.Require(k.width_px() <= kMaxSide_px && k.height_px() <= kMaxSide_px,
-                "the picture's size is out of range");
-}
+using PoseCovariance = std::array<double, 36>;
 
 /// Row-major 6 x 6, the same standard deviation on every axis.
-std::array<double, 36> SpreadToCovariance(double position_std_m, double orientation_std_rad) {
-  std::array<double, 36> covariance{};
+PoseCovariance SpreadToCovariance(double position_std_m, double orientation_std_rad) {
+  PoseCovariance covariance{};
   for (int i = 0; i < kPoseSize; ++i) {
     const double std = i < 3 ? position_std_m : orientation_std_rad;
     covariance[static_cast<std::size_t>(i * kPoseSize + i)] = std * std;
@@ -56,7 +26,7 @@ std::array<double, 36> SpreadToCovariance(double position_std_m, double orientat
 }
 
 /// Standard deviation along the worst direction of one 3 x 3 block; NaN when the block is no covariance.
-double GreatestStd(const std::array<double, 36>& covariance, int first) {
+double GreatestStd(const PoseCovariance& covariance, int first) {
   using Matrix6 = Eigen::Matrix<double, kPoseSize, kPoseSize, Eigen::RowMajor>;
   const Eigen::Matrix3d block = Eigen::Map<const Matrix6>(covariance.data()).block<3, 3>(first, first);
   if (!block.allFinite()) return std::numeric_limits<double>::quiet_NaN();
@@ -69,241 +39,165 @@ double GreatestStd(const std::array<double, 36>& covariance, int first) {
   return std::sqrt(std::max(variances.maxCoeff(), 0.0));
 }
 
-wire::CorridorPermit PermitToWire(const CorridorPermit& permit) {
-  wire::CorridorPermit out;
-  out.decision_id(permit.decision_id);
-  out.object_id(permit.object_id);
-  out.scene_revision(permit.scene_revision);
-  out.valid_until_utc_ns(permit.valid_until_utc_ns);
-  out.envelope(ToWire(permit.envelope));
-  out.free_width_m(permit.free_width_m);
-  out.free_height_m(permit.free_height_m);
-  return out;
-}
-
-CorridorPermit PermitFromWire(const wire::CorridorPermit& permit) {
-  return {permit.decision_id(),        permit.object_id(),          permit.scene_revision(),
-          permit.valid_until_utc_ns(), FromWire(permit.envelope()), permit.free_width_m(),
-          permit.free_height_m()};
-}
-
-void CheckPermit(const wire::CorridorPermit& permit, Check& check) {
-  check.Require(permit.decision_id() == 0 || IsValid(FromWire(permit.envelope())),
-                "the permit's envelope is not valid");
-  check.AtLeast(0.0, permit.free_width_m(), "permit.free_width_m");
-  check.AtLeast(0.0, permit.free_height_m(), "permit.free_height_m");
-}
-
 }  // namespace
 
+template <class Io>
+void Fields(Io& io, MessageOf<Io, wire::Intrinsics>& m, ValueOf<Io, Intrinsics>& v) {
+  io("width_px", m.width_px(), v.width_px, AtMost{kMaxSide_px});
+  io("height_px", m.height_px(), v.height_px, AtMost{kMaxSide_px});
+  io("fx_px", m.fx_px(), v.fx_px);
+  io("fy_px", m.fy_px(), v.fy_px);
+  io("cx_px", m.cx_px(), v.cx_px);
+  io("cy_px", m.cy_px(), v.cy_px);
+  io("plumb_bob", m.plumb_bob(), v.distortion);
+}
+
+template <class Io>
+void Fields(Io& io, MessageOf<Io, wire::VehicleState>& m, ValueOf<Io, VehicleState>& v) {
+  io("vehicle_id", m.vehicle_id(), v.vehicle_id);
+  io("agent_epoch", m.agent_epoch(), v.agent_epoch);
+  io("name", m.name(), v.name);
+  io("stamp_utc_ns", m.stamp_utc_ns(), v.stamp_utc_ns);
+  io("phase", m.phase(), v.phase, Last{wire::PHASE_PILOT_IN_CONTROL});
+  io("message", m.message(), v.message);
+  io("autopilot", m.autopilot(), v.autopilot);
+  io("autopilot_mode", m.autopilot_mode(), v.autopilot_mode);
+  io("is_armed", m.is_armed(), v.armed);
+  io("position_in_map_m", m.position_in_map_m(), v.position_in_map_m);
+  io("velocity_in_map_mps", m.velocity_in_map_mps(), v.velocity_in_map_mps);
+  io("yaw_rad", m.yaw_rad(), v.yaw_rad);
+  io("position_std_m", m.position_std_m(), v.position_std_m, AtLeast{0.0});
+  io("orientation_std_rad", m.orientation_std_rad(), v.orientation_std_rad, AtLeast{0.0});
+  io("battery_ratio", m.battery_ratio(), v.battery_ratio, AtMost{1.0});
+  io("envelope", m.envelope(), v.envelope);
+  io("camera", m.camera(), v.camera);
+  io("max_speed_mps", m.max_speed_mps(), v.max_speed_mps, AtLeast{0.0});
+
+  bool has_origin = v.origin.has_value();
+  GeodeticOrigin origin = v.origin.value_or(GeodeticOrigin{});
+  io("has_origin", m.has_origin(), has_origin);
+  io("origin_latitude_deg", m.origin_latitude_deg(), origin.latitude_deg, AtLeast{-90.0}, AtMost{90.0});
+  io("origin_longitude_deg", m.origin_longitude_deg(), origin.longitude_deg, AtLeast{-180.0}, AtMost{180.0});
+  io("origin_altitude_amsl_m", m.origin_altitude_amsl_m(), origin.altitude_amsl_m);
+  if constexpr (Io::kReads) {
+    if (has_origin) v.origin = origin;
+  }
+}
+
+template <class Io>
+void Fields(Io& io, MessageOf<Io, wire::Capture>& m, ValueOf<Io, Capture>& v) {
+  io("vehicle_id", m.vehicle_id(), v.vehicle_id);
+  io("mission_id", m.mission_id(), v.mission_id);
+  io("capture_id", m.capture_id(), v.capture_id);
+  io("name", m.name(), v.name);
+  io("purpose", m.purpose(), v.purpose, Last{wire::PURPOSE_CORRIDOR});
+  io("exposure_utc_ns", m.exposure_utc_ns(), v.exposure_utc_ns);
+  io("intrinsics", m.intrinsics(), v.intrinsics);
+  io.Require(IsValid(v.intrinsics), "the intrinsics are not valid");
+  io("map_from_camera.position_m", m.map_from_camera().position_m(), v.map_from_camera.translation_m);
+  io("map_from_camera.orientation", m.map_from_camera().orientation(), v.map_from_camera.rotation);
+  io("has_trusted_pose", m.has_trusted_pose(), v.has_trusted_pose);
+  io.Require(!m.bytes().empty(), "the picture is empty");
+  io.Require(m.bytes().size() <= kMaxPictureBytes, "the picture has more than 64 MiB");
+  io("bytes", m.bytes(), v.bytes);
+
+  PoseCovariance covariance = SpreadToCovariance(v.position_std_m, v.orientation_std_rad);
+  io("pose_covariance", m.pose_covariance(), covariance);
+  if constexpr (Io::kReads) {
+    v.position_std_m = GreatestStd(covariance, 0);
+    v.orientation_std_rad = GreatestStd(covariance, 3);
+    io.Require(std::isfinite(v.position_std_m + v.orientation_std_rad), "pose_covariance is no covariance");
+  }
+}
+
+template <class Io>
+void Fields(Io& io, MessageOf<Io, wire::CorridorPermit>& m, ValueOf<Io, CorridorPermit>& v) {
+  io("decision_id", m.decision_id(), v.decision_id);
+  io("object_id", m.object_id(), v.object_id);
+  io("scene_revision", m.scene_revision(), v.scene_revision);
+  io("valid_until_utc_ns", m.valid_until_utc_ns(), v.valid_until_utc_ns);
+  io("envelope", m.envelope(), v.envelope);
+  io.Require(v.decision_id == 0 || IsValid(v.envelope), "has an envelope that is not valid");
+  io("free_width_m", m.free_width_m(), v.free_width_m, AtLeast{0.0});
+  io("free_height_m", m.free_height_m(), v.free_height_m, AtLeast{0.0});
+}
+
+template <class Io>
+void Fields(Io& io, MessageOf<Io, wire::FlightCommand>& m, ValueOf<Io, FlightCommand>& v) {
+  io("vehicle_id", m.vehicle_id(), v.vehicle_id);
+  io("mission_id", m.mission_id(), v.mission_id);
+  io("sequence_number", m.sequence_number(), v.sequence);
+  io("issued_utc_ns", m.issued_utc_ns(), v.issued_utc_ns);
+  io("valid_until_utc_ns", m.valid_until_utc_ns(), v.valid_until_utc_ns);
+  io("kind", m.kind(), v.kind, Last{wire::COMMAND_ABORT});
+  io.Require(m.path_in_map_m().size() <= kMaxPathPoints, "the path has more than 256 points");
+  io("path_in_map_m", m.path_in_map_m(), v.path_in_map_m);
+  io("yaw_rad", m.yaw_rad(), v.yaw_rad);
+  io("speed_mps", m.speed_mps(), v.speed_mps, AtLeast{0.0});
+  io("camera_pitch_rad", m.camera_pitch_rad(), v.camera_pitch_rad);
+  io("purpose", m.purpose(), v.purpose, Last{wire::PURPOSE_CORRIDOR});
+  io("capture_id", m.capture_id(), v.capture_id);
+
+  CorridorPermit permit = v.permit.value_or(CorridorPermit{});
+  io("permit", m.permit(), permit);
+  if constexpr (Io::kReads) {
+    if (permit.decision_id != 0) v.permit = permit;
+  }
+}
+
+template <class Io>
+void Fields(Io& io, MessageOf<Io, wire::CommandAck>& m, ValueOf<Io, CommandAck>& v) {
+  io("vehicle_id", m.vehicle_id(), v.vehicle_id);
+  io("mission_id", m.mission_id(), v.mission_id);
+  io("sequence_number", m.sequence_number(), v.sequence);
+  io("agent_epoch", m.agent_epoch(), v.agent_epoch);
+  io("stamp_utc_ns", m.stamp_utc_ns(), v.stamp_utc_ns);
+  io("status", m.status(), v.status, Last{wire::ACK_FAILED});
+  io("reason", m.reason(), v.reason);
+}
+
+template <class Io>
+void Fields(Io& io, MessageOf<Io, wire::MissionHeartbeat>& m, ValueOf<Io, MissionHeartbeat>& v) {
+  io("vehicle_id", m.vehicle_id(), v.vehicle_id);
+  io("mission_id", m.mission_id(), v.mission_id);
+  io("service_epoch", m.service_epoch(), v.service_epoch);
+  io("stamp_utc_ns", m.stamp_utc_ns(), v.stamp_utc_ns);
+  io("is_paused", m.is_paused(), v.is_paused);
+}
+
 wire::VehicleState VehicleStateTopic::ToWire(const VehicleState& value) {
-  wire::VehicleState out;
-  out.vehicle_id(value.vehicle_id);
-  out.agent_epoch(value.agent_epoch);
-  out.name(value.name);
-  out.stamp_utc_ns(value.stamp_utc_ns);
-  out.phase(EnumAs<wire::VehiclePhase>(value.phase));
-  out.message(value.message);
-  out.autopilot(value.autopilot);
-  out.autopilot_mode(value.autopilot_mode);
-  out.is_armed(value.armed);
-  out.position_in_map_m(soffit::ToWire(value.position_in_map_m));
-  out.velocity_in_map_mps(soffit::ToWire(value.velocity_in_map_mps));
-  out.yaw_rad(value.yaw_rad);
-  out.position_std_m(value.position_std_m);
-  out.orientation_std_rad(value.orientation_std_rad);
-  out.battery_ratio(value.battery_ratio);
-  out.has_origin(value.origin.has_value());
-  const GeodeticOrigin origin = value.origin.value_or(GeodeticOrigin{});
-  out.origin_latitude_deg(origin.latitude_deg);
-  out.origin_longitude_deg(origin.longitude_deg);
-  out.origin_altitude_amsl_m(origin.altitude_amsl_m);
-  out.envelope(soffit::ToWire(value.envelope));
-  out.camera(IntrinsicsToWire(value.camera));
-  out.max_speed_mps(value.max_speed_mps);
-  return out;
+  return WriteMessage<wire::VehicleState>(value);
 }
-
 Result<VehicleState> VehicleStateTopic::FromWire(const wire::VehicleState& message) {
-  Check check;
-  check.Known(message.phase(), wire::PHASE_PILOT_IN_CONTROL, "phase");
-  check.Finite(message.position_in_map_m(), "position_in_map_m");
-  check.Finite(message.velocity_in_map_mps(), "velocity_in_map_mps");
-  check.Finite(message.yaw_rad(), "yaw_rad");
-  check.AtLeast(0.0, message.position_std_m(), "position_std_m");
-  check.AtLeast(0.0, message.orientation_std_rad(), "orientation_std_rad");
-  check.Require(message.battery_ratio() <= 1.0, "battery_ratio is above 1");
-  check.AtLeast(0.0, message.max_speed_mps(), "max_speed_mps");
-  check.Require(!message.has_origin() || (std::abs(message.origin_latitude_deg()) <= 90.0 &&
-                                          std::abs(message.origin_longitude_deg()) <= 180.0 &&
-                                          std::isfinite(message.origin_altitude_amsl_m())),
-                "the origin is no place on the earth");
-  CheckIntrinsics(message.camera(), check);
-  if (!check.problem().empty()) return InvalidInput(check.problem());
-
-  VehicleState value;
-  value.vehicle_id = message.vehicle_id();
-  value.agent_epoch = message.agent_epoch();
-  value.name = message.name().to_string();
-  value.stamp_utc_ns = message.stamp_utc_ns();
-  value.phase = EnumAs<VehiclePhase>(message.phase());
-  value.message = message.message().to_string();
-  value.autopilot = message.autopilot().to_string();
-  value.autopilot_mode = message.autopilot_mode().to_string();
-  value.armed = message.is_armed();
-  value.position_in_map_m = soffit::FromWire(message.position_in_map_m());
-  value.velocity_in_map_mps = soffit::FromWire(message.velocity_in_map_mps());
-  value.yaw_rad = message.yaw_rad();
-  value.position_std_m = message.position_std_m();
-  value.orientation_std_rad = message.orientation_std_rad();
-  value.battery_ratio = message.battery_ratio();
-  if (message.has_origin()) {
-    value.origin = GeodeticOrigin{message.origin_latitude_deg(), message.origin_longitude_deg(),
-                                  message.origin_altitude_amsl_m()};
-  }
-  value.envelope = soffit::FromWire(message.envelope());
-  value.camera = IntrinsicsFromWire(message.camera());
-  value.max_speed_mps = message.max_speed_mps();
-  return value;
+  return ReadMessage<VehicleState>(message);
 }
 
-wire::Capture CaptureTopic::ToWire(const Capture& value) {
-  wire::Capture out;
-  out.vehicle_id(value.vehicle_id);
-  out.mission_id(value.mission_id);
-  out.capture_id(value.capture_id);
-  out.name(value.name);
-  out.purpose(soffit::ToWire(value.purpose));
-  out.exposure_utc_ns(value.exposure_utc_ns);
-  out.intrinsics(IntrinsicsToWire(value.intrinsics));
-  out.map_from_camera().position_m(soffit::ToWire(value.map_from_camera.translation_m));
-  out.map_from_camera().orientation(soffit::ToWire(value.map_from_camera.rotation));
-  out.has_trusted_pose(value.has_trusted_pose);
-  out.pose_covariance(SpreadToCovariance(value.position_std_m, value.orientation_std_rad));
-  out.bytes(value.bytes);
-  return out;
-}
-
+wire::Capture CaptureTopic::ToWire(const Capture& value) { return WriteMessage<wire::Capture>(value); }
 Result<Capture> CaptureTopic::FromWire(const wire::Capture& message) {
-  const double position_std_m = GreatestStd(message.pose_covariance(), 0);
-  const double orientation_std_rad = GreatestStd(message.pose_covariance(), 3);
-  const wire::Quaternion& q = message.map_from_camera().orientation();
-  const Eigen::Quaterniond rotation(q.w(), q.x(), q.y(), q.z());
-  Check check;
-  check.Known(message.purpose(), wire::PURPOSE_CORRIDOR, "purpose");
-  check.Finite(message.map_from_camera().position_m(), "map_from_camera.position_m");
-  check.Require(std::abs(rotation.norm() - 1.0) <= 1e-3, "map_from_camera.orientation is no unit quaternion");
-  check.Finite(position_std_m, "pose_covariance (position)");
-  check.Finite(orientation_std_rad, "pose_covariance (orientation)");
-  check.Require(!message.bytes().empty(), "the picture is empty");
-  check.Require(message.bytes().size() <= kMaxPictureBytes, "the picture has more than 64 MiB");
-  CheckIntrinsics(message.intrinsics(), check);
-  check.Require(IsValid(IntrinsicsFromWire(message.intrinsics())), "the intrinsics are not valid");
-  if (!check.problem().empty()) {
-    return InvalidInput("picture " + std::to_string(message.capture_id()) + " of vehicle " +
-                        std::to_string(message.vehicle_id()) + ": " + check.problem());
-  }
-
-  Capture value;
-  value.vehicle_id = message.vehicle_id();
-  value.mission_id = message.mission_id();
-  value.capture_id = message.capture_id();
-  value.name = message.name().to_string();
-  value.purpose = EnumAs<Purpose>(message.purpose());
-  value.exposure_utc_ns = message.exposure_utc_ns();
-  value.intrinsics = IntrinsicsFromWire(message.intrinsics());
-  value.map_from_camera = {rotation.normalized(), soffit::FromWire(message.map_from_camera().position_m())};
-  value.has_trusted_pose = message.has_trusted_pose();
-  value.position_std_m = position_std_m;
-  value.orientation_std_rad = orientation_std_rad;
-  value.bytes = message.bytes();
-  return value;
+  return ReadMessage<Capture>(
+      message, Say("picture ", message.capture_id(), " of vehicle ", message.vehicle_id(), ": "));
 }
 
 wire::FlightCommand FlightCommandTopic::ToWire(const FlightCommand& value) {
-  wire::FlightCommand out;
-  out.vehicle_id(value.vehicle_id);
-  out.mission_id(value.mission_id);
-  out.sequence_number(value.sequence);
-  out.issued_utc_ns(value.issued_utc_ns);
-  out.valid_until_utc_ns(value.valid_until_utc_ns);
-  out.kind(EnumAs<wire::CommandKind>(value.kind));
-  out.path_in_map_m(soffit::ToWire(value.path_in_map_m));
-  out.yaw_rad(value.yaw_rad);
-  out.speed_mps(value.speed_mps);
-  out.camera_pitch_rad(value.camera_pitch_rad);
-  out.purpose(soffit::ToWire(value.purpose));
-  out.capture_id(value.capture_id);
-  if (value.permit) out.permit(PermitToWire(*value.permit));
-  return out;
+  return WriteMessage<wire::FlightCommand>(value);
 }
-
 Result<FlightCommand> FlightCommandTopic::FromWire(const wire::FlightCommand& message) {
-  Check check;
-  check.Known(message.kind(), wire::COMMAND_ABORT, "kind");
-  check.Known(message.purpose(), wire::PURPOSE_CORRIDOR, "purpose");
-  check.Require(message.path_in_map_m().size() <= kMaxPathPoints, "the path has more than 256 points");
-  for (const wire::Vector3& point : message.path_in_map_m()) check.Finite(point, "path_in_map_m");
-  check.Finite(message.yaw_rad(), "yaw_rad");
-  check.AtLeast(0.0, message.speed_mps(), "speed_mps");
-  check.Finite(message.camera_pitch_rad(), "camera_pitch_rad");
-  CheckPermit(message.permit(), check);
-  if (!check.problem().empty()) {
-    return InvalidInput("command " + std::to_string(message.sequence_number()) + " to vehicle " +
-                        std::to_string(message.vehicle_id()) + ": " + check.problem());
-  }
-
-  FlightCommand value;
-  value.vehicle_id = message.vehicle_id();
-  value.mission_id = message.mission_id();
-  value.sequence = message.sequence_number();
-  value.issued_utc_ns = message.issued_utc_ns();
-  value.valid_until_utc_ns = message.valid_until_utc_ns();
-  value.kind = EnumAs<CommandKind>(message.kind());
-  value.path_in_map_m = soffit::FromWire(message.path_in_map_m());
-  value.yaw_rad = message.yaw_rad();
-  value.speed_mps = message.speed_mps();
-  value.camera_pitch_rad = message.camera_pitch_rad();
-  value.purpose = EnumAs<Purpose>(message.purpose());
-  value.capture_id = message.capture_id();
-  if (message.permit().decision_id() != 0) value.permit = PermitFromWire(message.permit());
-  return value;
+  return ReadMessage<FlightCommand>(
+      message, Say("command ", message.sequence_number(), " to vehicle ", message.vehicle_id(), ": "));
 }
 
 wire::CommandAck CommandAckTopic::ToWire(const CommandAck& value) {
-  wire::CommandAck out;
-  out.vehicle_id(value.vehicle_id);
-  out.mission_id(value.mission_id);
-  out.sequence_number(value.sequence);
-  out.agent_epoch(value.agent_epoch);
-  out.stamp_utc_ns(value.stamp_utc_ns);
-  out.status(EnumAs<wire::AckStatus>(value.status));
-  out.reason(value.reason);
-  return out;
+  return WriteMessage<wire::CommandAck>(value);
 }
-
 Result<CommandAck> CommandAckTopic::FromWire(const wire::CommandAck& message) {
-  Check check;
-  check.Known(message.status(), wire::ACK_FAILED, "status");
-  if (!check.problem().empty()) return InvalidInput(check.problem());
-  return CommandAck{message.vehicle_id(),        message.mission_id(),   message.sequence_number(),
-                    message.agent_epoch(),       message.stamp_utc_ns(), EnumAs<AckStatus>(message.status()),
-                    message.reason().to_string()};
+  return ReadMessage<CommandAck>(message);
 }
 
 wire::MissionHeartbeat MissionHeartbeatTopic::ToWire(const MissionHeartbeat& value) {
-  wire::MissionHeartbeat out;
-  out.vehicle_id(value.vehicle_id);
-  out.mission_id(value.mission_id);
-  out.service_epoch(value.service_epoch);
-  out.stamp_utc_ns(value.stamp_utc_ns);
-  out.is_paused(value.is_paused);
-  return out;
+  return WriteMessage<wire::MissionHeartbeat>(value);
 }
-
 Result<MissionHeartbeat> MissionHeartbeatTopic::FromWire(const wire::MissionHeartbeat& message) {
-  return MissionHeartbeat{message.vehicle_id(), message.mission_id(), message.service_epoch(),
-                          message.stamp_utc_ns(), message.is_paused()};
+  return ReadMessage<MissionHeartbeat>(message);
 }
 
 }  // namespace soffit

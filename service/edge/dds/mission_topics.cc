@@ -1,117 +1,75 @@
-#include <algorithm>
-
 #include "service/edge/dds/request_id.h"
 #include "service/edge/dds/service_topics.h"
-#include "shared/wire/basic.h"
 
 namespace soffit {
 namespace {
 
 constexpr std::size_t kMaxReferenceBytes = std::size_t{16} << 20;
-constexpr std::size_t kMaxProblems = 32;
+constexpr NewestItems kNewestProblems{{32}};
 
 }  // namespace
 
-wire::MissionRequest MissionRequestTopic::ToWire(const MissionRequest& value) {
-  wire::MissionRequest out;
-  out.id(RequestIdToWire(value.id));
-  out.kind(static_cast<wire::MissionRequestKind>(value.kind));
-  out.vehicle_id(value.vehicle_id);
-  out.mission_id(value.mission_id);
-  out.reference_name(value.reference_name);
-  out.reference(value.reference);
-  out.area_center_in_map_m(soffit::ToWire(value.area_center_in_map_m));
-  out.area_radius_m(value.area_radius_m);
-  return out;
+template <class Io>
+void Fields(Io& io, MessageOf<Io, wire::MissionRequest>& m, ValueOf<Io, MissionRequest>& v) {
+  io("id", m.id(), v.id);
+  io("kind", m.kind(), v.kind, Last{wire::REQUEST_ABORT});
+  io("vehicle_id", m.vehicle_id(), v.vehicle_id);
+  io("mission_id", m.mission_id(), v.mission_id);
+  io("reference_name", m.reference_name(), v.reference_name);
+  io.Require(m.reference().size() <= kMaxReferenceBytes, "the reference has more than 16 MiB");
+  io("reference", m.reference(), v.reference);
+  io("area_center_in_map_m", m.area_center_in_map_m(), v.area_center_in_map_m);
+  io("area_radius_m", m.area_radius_m(), v.area_radius_m, AtLeast{0.0});
 }
 
+template <class Io>
+void Fields(Io& io, MessageOf<Io, wire::MissionReply>& m, ValueOf<Io, MissionReply>& v) {
+  io("id", m.id(), v.id);
+  io("is_accepted", m.is_accepted(), v.is_accepted);
+  io("mission_id", m.mission_id(), v.mission_id);
+  io("message", m.message(), v.message);
+}
+
+template <class Io>
+void Fields(Io& io, MessageOf<Io, wire::MissionStatus>& m, ValueOf<Io, MissionReport>& v) {
+  io("vehicle_id", m.vehicle_id(), v.vehicle_id);
+  io("mission_id", m.mission_id(), v.mission_id);
+  io("revision", m.revision(), v.revision);
+  io("started_utc_ns", m.started_utc_ns(), v.started_utc_ns);
+  io("stamp_utc_ns", m.stamp_utc_ns(), v.stamp_utc_ns);
+  io("state", m.state(), v.status.state, Last{wire::MISSION_ENDED});
+  io("step", m.step(), v.status.step, Last{wire::STEP_DONE});
+  io("outcome", m.outcome(), v.status.outcome, Last{wire::OUTCOME_FAILED});
+  io("step_progress_ratio", m.step_progress_ratio(), v.status.step_progress_ratio, AtLeast{0.0});
+  io("progress_ratio", m.progress_ratio(), v.status.progress_ratio, AtLeast{0.0});
+  io("message", m.message(), v.status.message);
+  io("problems", m.problems(), v.status.problems, kNewestProblems);
+  io("object_id", m.object_id(), v.status.object_id);
+  io("pictures_received", m.pictures_received(), v.pictures_received);
+  io("pictures_used", m.pictures_used(), v.pictures_used);
+  io("picture_to_decision_s", m.picture_to_decision_s(), v.picture_to_decision_s, AtLeast{0.0});
+  io("picture_to_decision_max_s", m.picture_to_decision_max_s(), v.picture_to_decision_max_s, AtLeast{0.0});
+}
+
+wire::MissionRequest MissionRequestTopic::ToWire(const MissionRequest& value) {
+  return WriteMessage<wire::MissionRequest>(value);
+}
 Result<MissionRequest> MissionRequestTopic::FromWire(const wire::MissionRequest& message) {
-  Check check;
-  check.Known(message.kind(), wire::REQUEST_ABORT, "kind");
-  check.Require(message.reference().size() <= kMaxReferenceBytes, "the reference has more than 16 MiB");
-  check.Finite(message.area_center_in_map_m().x(), "area_center_in_map_m.x");
-  check.Finite(message.area_center_in_map_m().y(), "area_center_in_map_m.y");
-  check.AtLeast(0.0, message.area_radius_m(), "area_radius_m");
-  if (!check.problem().empty()) return InvalidInput(check.problem());
-  return MissionRequest{RequestIdFromWire(message.id()),
-                        static_cast<MissionRequestKind>(message.kind()),
-                        message.vehicle_id(),
-                        message.mission_id(),
-                        message.reference_name().to_string(),
-                        message.reference(),
-                        soffit::FromWire(message.area_center_in_map_m()),
-                        message.area_radius_m()};
+  return ReadMessage<MissionRequest>(message);
 }
 
 wire::MissionReply MissionReplyTopic::ToWire(const MissionReply& value) {
-  wire::MissionReply out;
-  out.id(RequestIdToWire(value.id));
-  out.is_accepted(value.is_accepted);
-  out.mission_id(value.mission_id);
-  out.message(value.message);
-  return out;
+  return WriteMessage<wire::MissionReply>(value);
 }
-
 Result<MissionReply> MissionReplyTopic::FromWire(const wire::MissionReply& message) {
-  return MissionReply{RequestIdFromWire(message.id()), message.is_accepted(), message.mission_id(),
-                      message.message().to_string()};
+  return ReadMessage<MissionReply>(message);
 }
 
 wire::MissionStatus MissionStatusTopic::ToWire(const MissionReport& value) {
-  wire::MissionStatus out;
-  out.vehicle_id(value.vehicle_id);
-  out.mission_id(value.mission_id);
-  out.revision(value.revision);
-  out.started_utc_ns(value.started_utc_ns);
-  out.stamp_utc_ns(value.stamp_utc_ns);
-  out.state(static_cast<wire::MissionState>(value.status.state));
-  out.step(static_cast<wire::MissionStep>(value.status.step));
-  out.outcome(static_cast<wire::MissionOutcome>(value.status.outcome));
-  out.step_progress_ratio(value.status.step_progress_ratio);
-  out.progress_ratio(value.status.progress_ratio);
-  out.message(value.status.message);
-  const auto& problems = value.status.problems;
-  const auto skipped = static_cast<std::ptrdiff_t>(problems.size() - std::min(problems.size(), kMaxProblems));
-  out.problems().assign(problems.begin() + skipped, problems.end());
-  out.object_id(value.status.object_id);
-  out.pictures_received(value.pictures_received);
-  out.pictures_used(value.pictures_used);
-  out.picture_to_decision_s(value.picture_to_decision_s);
-  out.picture_to_decision_max_s(value.picture_to_decision_max_s);
-  return out;
+  return WriteMessage<wire::MissionStatus>(value);
 }
-
 Result<MissionReport> MissionStatusTopic::FromWire(const wire::MissionStatus& message) {
-  Check check;
-  check.Known(message.state(), wire::MISSION_ENDED, "state");
-  check.Known(message.step(), wire::STEP_DONE, "step");
-  check.Known(message.outcome(), wire::OUTCOME_FAILED, "outcome");
-  check.AtLeast(0.0, message.step_progress_ratio(), "step_progress_ratio");
-  check.AtLeast(0.0, message.progress_ratio(), "progress_ratio");
-  check.Require(message.problems().size() <= kMaxProblems, "more than 32 problems");
-  check.AtLeast(0.0, message.picture_to_decision_s(), "picture_to_decision_s");
-  check.AtLeast(0.0, message.picture_to_decision_max_s(), "picture_to_decision_max_s");
-  if (!check.problem().empty()) return InvalidInput(check.problem());
-
-  MissionReport value;
-  value.vehicle_id = message.vehicle_id();
-  value.mission_id = message.mission_id();
-  value.revision = message.revision();
-  value.started_utc_ns = message.started_utc_ns();
-  value.stamp_utc_ns = message.stamp_utc_ns();
-  value.status.state = static_cast<MissionState>(message.state());
-  value.status.step = static_cast<MissionStep>(message.step());
-  value.status.outcome = static_cast<MissionOutcome>(message.outcome());
-  value.status.step_progress_ratio = message.step_progress_ratio();
-  value.status.progress_ratio = message.progress_ratio();
-  value.status.message = message.message().to_string();
-  for (const auto& problem : message.problems()) value.status.problems.push_back(problem.to_string());
-  value.status.object_id = message.object_id();
-  value.pictures_received = message.pictures_received();
-  value.pictures_used = message.pictures_used();
-  value.picture_to_decision_s = message.picture_to_decision_s();
-  value.picture_to_decision_max_s = message.picture_to_decision_max_s();
-  return value;
+  return ReadMessage<MissionReport>(message);
 }
 
 }  // namespace soffit

@@ -156,6 +156,22 @@ TEST(VehicleStateTopic, SaysWhatIsWrongWithAMessage) {
   EXPECT_THAT(received.error().message, HasSubstr("yaw_rad"));
 }
 
+TEST(VehicleStateTopic, NamesTheWayToAWrongPart) {
+  wire::VehicleState message;
+  message.camera().plumb_bob()[4] = kNan;
+  const auto received = VehicleStateTopic::FromWire(message);
+  ASSERT_FALSE(received.ok());
+  EXPECT_THAT(received.error().message, HasSubstr("camera.plumb_bob is not a finite number"));
+}
+
+TEST(CommandAckTopic, RefusesAnUnknownStatus) {
+  wire::CommandAck message;
+  message.status(static_cast<wire::AckStatus>(wire::ACK_FAILED + 1));
+  const auto received = CommandAckTopic::FromWire(message);
+  ASSERT_FALSE(received.ok());
+  EXPECT_THAT(received.error().message, HasSubstr("status has an unknown value"));
+}
+
 TEST(CommandAckTopic, CutsAReasonThatIsTooLong) {
   CommandAck ack;
   ack.status = AckStatus::kRefused;
