@@ -212,8 +212,8 @@ double ShareSeen(const Silhouette& silhouette, const Ring& region, double height
   return inside > 0 ? static_cast<double>(seen) / inside : 0.0;
 }
 
-/// Ground that shows through an opening of a wall dents the silhouette as a notch of the building would. It is an
-/// opening when the wall goes on in one line behind the dent and the roof over the dent was seen whole.
+/// Ground that shows through an opening of a wall dents the silhouette as a notch of the building would. It
+/// is an opening when the wall goes on in one line behind the dent and the roof over the dent was seen whole.
 Ring CloseOpenings(Ring ring, const Silhouette& silhouette, double height_m, double noise_m) {
   constexpr double kMinShareOfRoof = 0.97;
   constexpr std::size_t kMaxSides = 8;
@@ -229,13 +229,15 @@ Ring CloseOpenings(Ring ring, const Silhouette& silhouette, double height_m, dou
       const Vector2d gap = at(sides) - at(0);
       const Vector2d along = gap.normalized();
       const bool faces_nadir = Cross(at(0) - nadir, gap) < 0.0;
-      if (!faces_nadir || !is_in_line(at(0) - at(n - 1), along) || !is_in_line(at(sides + 1) - at(sides), along)) {
+      if (!faces_nadir || !is_in_line(at(0) - at(n - 1), along) ||
+          !is_in_line(at(sides + 1) - at(sides), along)) {
         continue;
       }
       Ring dent;
       for (std::size_t k = 0; k <= sides; ++k) dent.push_back(at(k));
-      const bool is_dent = std::all_of(dent.begin() + 1, dent.end() - 1,
-                                       [&](const Vector2d& p) { return Cross(along, p - dent.front()) > 0.0; });
+      const bool is_dent = std::all_of(dent.begin() + 1, dent.end() - 1, [&](const Vector2d& p) {
+        return Cross(along, p - dent.front()) > 0.0;
+      });
       if (!is_dent || ShareSeen(silhouette, dent, height_m) < kMinShareOfRoof) continue;
       Ring closed;
       for (std::size_t k = sides + 1; k < n; ++k) closed.push_back(at(k));

@@ -25,8 +25,8 @@ Polygon Straighten(const Silhouette& silhouette, double height_m);
 /// The height that the wall corners in the silhouette tell, if there are any.
 std::optional<Estimate> HeightFromCorners(const Silhouette& silhouette, double max_height_m);
 
-/// The height at which the silhouettes show the same footprint, given what wall corners tell (`priors`). Cut ones
-/// count as far as they go.
+/// The height at which the silhouettes show the same footprint, given what wall corners tell (`priors`). Cut
+/// ones count as far as they go.
 std::optional<Estimate> HeightFromParallax(const std::vector<Silhouette>& silhouettes,
                                            const std::vector<Estimate>& priors, double max_height_m);
 

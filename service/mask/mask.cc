@@ -17,7 +17,8 @@ struct HueRange {
   double to_deg;    ///< Excluded.
 };
 
-/// Every hue belongs to one colour. Ochre ground lies in `yellow` and sky in `blue`: saturation tells them apart.
+/// Every hue belongs to one colour. Ochre ground lies in `yellow` and sky in `blue`: saturation tells them
+/// apart.
 constexpr std::array<HueRange, 7> kHueRanges = {{{"red", 340.0, 18.0},
                                                  {"orange", 18.0, 36.0},
                                                  {"yellow", 36.0, 66.0},
@@ -26,7 +27,7 @@ constexpr std::array<HueRange, 7> kHueRanges = {{{"red", 340.0, 18.0},
                                                  {"blue", 204.0, 262.0},
                                                  {"magenta", 262.0, 340.0}}};
 
-constexpr int kHues = 256;  // HSV_FULL
+constexpr int kHues = 256;                        // HSV_FULL
 constexpr std::size_t kMinTintedSaturation = 25;  ///< Of 255; below, hues are noise.
 constexpr double kMinModeDistance = 0.18;
 constexpr double kMaxSaturationThreshold = 0.60;
@@ -49,7 +50,8 @@ std::array<std::uint8_t, kHues> ClassOfHue(const std::vector<std::string>& color
     const HueRange* range = FindHueRange(colors[i]);
     SOFFIT_EXPECT(range != nullptr);
     for (int hue = 0; hue < kHues; ++hue) {
-      if (Holds(*range, hue * 360.0 / kHues)) table[static_cast<std::size_t>(hue)] = static_cast<std::uint8_t>(i + 1);
+      if (Holds(*range, hue * 360.0 / kHues))
+        table[static_cast<std::size_t>(hue)] = static_cast<std::uint8_t>(i + 1);
     }
   }
   return table;
@@ -66,7 +68,7 @@ using Histogram = std::array<std::uint64_t, 256>;
 
 /// All but the last step of the segmentation.
 struct Classified {
-  cv::Mat1b label;       ///< By hue and value alone.
+  cv::Mat1b label;  ///< By hue and value alone.
   cv::Mat1b saturation;
   std::vector<Histogram> histograms;  ///< By label.
 };
@@ -77,7 +79,8 @@ Classified Classify(const cv::Mat3b& bgr, const MaskOptions& options) {
   const std::array<std::uint8_t, kHues> class_of_hue = ClassOfHue(options.colors);
   const cv::Mat1b gamma_table = GammaTable(options.gamma);
   const int min_value = static_cast<int>(std::lround(255.0 * options.min_value));
-  Classified result{cv::Mat1b(bgr.size()), cv::Mat1b(bgr.size()), std::vector<Histogram>(options.colors.size() + 1)};
+  Classified result{cv::Mat1b(bgr.size()), cv::Mat1b(bgr.size()),
+                    std::vector<Histogram>(options.colors.size() + 1)};
   cv::Mat3b hsv;
   for (int first = 0; first < bgr.rows; first += kBandRows) {
     FilterMedian(bgr, cv::Range(first, std::min(first + kBandRows, bgr.rows)), options.median_px, hsv);
@@ -115,9 +118,9 @@ struct Separation {
   double confidence = 0.0;  ///< 0 to 1.
 };
 
-/// Where to part the saturations of one hue class: ground and sky below, painted buildings above (N. Otsu, "A threshold
-/// selection method from gray-level histograms", IEEE SMC 9(1), 1979). Modes on one side of `fallback` (lit roof and
-/// shaded wall, or grass and sand) are not parted.
+/// Where to part the saturations of one hue class: ground and sky below, painted buildings above (N. Otsu, "A
+/// threshold selection method from gray-level histograms", IEEE SMC 9(1), 1979). Modes on one side of
+/// `fallback` (lit roof and shaded wall, or grass and sand) are not parted.
 Separation PartSaturations(const Histogram& histogram, double fallback) {
   double count = 0.0;
   double sum = 0.0;

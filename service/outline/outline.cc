@@ -11,7 +11,8 @@ namespace {
 
 bool TouchesEdge(const Ring& boundary, const cv::Rect& seen) {
   return std::any_of(boundary.begin(), boundary.end(), [&](const Eigen::Vector2d& p) {
-    return p.x() < seen.x || p.y() < seen.y || p.x() > seen.x + seen.width - 1 || p.y() > seen.y + seen.height - 1;
+    return p.x() < seen.x || p.y() < seen.y || p.x() > seen.x + seen.width - 1 ||
+           p.y() > seen.y + seen.height - 1;
   });
 }
 

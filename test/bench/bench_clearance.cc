@@ -87,8 +87,8 @@ int Run(const Order& order) {
   std::vector<std::thread> threads;
   for (int i = 0; i < order.jobs; ++i) threads.emplace_back(work);
   for (std::thread& thread : threads) thread.join();
-  std::printf("\n%-28s %6s %6s %6s %8s %13s %9s %6s %7s\n", "kind", "worlds", "right", "flown", "blocked", "insufficient",
-              "no match", "other", "unsafe");
+  std::printf("\n%-28s %6s %6s %6s %8s %13s %9s %6s %7s\n", "kind", "worlds", "right", "flown", "blocked",
+              "insufficient", "no match", "other", "unsafe");
   for (const auto& [name, kind] : kinds) Print(name, kind);
   Print("all", all);
   return all.unsafe == 0 && all.right >= 0.96 * all.worlds ? 0 : 1;

@@ -25,8 +25,8 @@ constexpr std::int64_t kEvent_ns = 100'000'000;
 constexpr std::uint32_t kVehicleId = 1;
 constexpr int kMostEvents = 2000;
 constexpr double kTrackStep_m = 0.01;
-constexpr double kHover_m = 0.03;                                 // How well the vehicle holds its place,
-constexpr double kSway_rad = 0.4 * std::numbers::pi / 180.0;      // and its attitude.
+constexpr double kHover_m = 0.03;                             // How well the vehicle holds its place,
+constexpr double kSway_rad = 0.4 * std::numbers::pi / 180.0;  // and its attitude.
 
 /// Of a camera that looks along `yaw_rad` and up by `pitch_rad`.
 Eigen::Quaterniond LookFrom(double yaw_rad, double pitch_rad) {
@@ -44,7 +44,8 @@ Eigen::Quaterniond Turn(const Vector3d& rotation) {
 
 class Rehearsal {
  public:
-  Rehearsal(const sim::World& world, std::uint64_t seed, const PipelineOptions& pipeline, const MissionOptions& options)
+  Rehearsal(const sim::World& world, std::uint64_t seed, const PipelineOptions& pipeline,
+            const MissionOptions& options)
       : world_(world),
         pipeline_(pipeline),
         options_(options),
@@ -65,7 +66,8 @@ class Rehearsal {
 
   void Run() {
     const Result<Reference> reference = ReadReference(sim::DrawReference(world_));
-    if (!reference.ok()) throw ContractViolation("the drawn reference cannot be read: " + reference.error().message);
+    if (!reference.ok())
+      throw ContractViolation("the drawn reference cannot be read: " + reference.error().message);
     reference_ = reference.value();
     MissionOrder order;
     order.vehicle_id = kVehicleId;
@@ -92,8 +94,10 @@ class Rehearsal {
     result.contacts = static_cast<int>(recorder_.contacts().size());
     const nlohmann::json flight = recorder_.ToJson();
     result.was_passage_flown = flight["passage_flown"].get<bool>();
-    for (const sim::FlightUnder& under : recorder_.flights_under()) result.was_flown_wrongly |= !under.is_passable;
-    if (flight["least_distance_m"].is_number()) result.least_distance_m = flight["least_distance_m"].get<double>();
+    for (const sim::FlightUnder& under : recorder_.flights_under())
+      result.was_flown_wrongly |= !under.is_passable;
+    if (flight["least_distance_m"].is_number())
+      result.least_distance_m = flight["least_distance_m"].get<double>();
     result.nearest = flight["nearest"].get<std::string>();
     return result;
   }
@@ -159,7 +163,8 @@ class Rehearsal {
     const Vector3d to = believed_m + offset_m_;
     const int steps = 1 + static_cast<int>((to - from).norm() / kTrackStep_m);
     for (int i = 1; i <= steps; ++i) {
-      recorder_.Add({static_cast<double>(now_ - kBegin_utc_ns) * 1e-9, from + (to - from) * i / steps, false, 0.0});
+      recorder_.Add(
+          {static_cast<double>(now_ - kBegin_utc_ns) * 1e-9, from + (to - from) * i / steps, false, 0.0});
     }
     true_m_ = to;
     state_.position_in_map_m = believed_m;
@@ -178,10 +183,11 @@ class Rehearsal {
     capture.position_std_m = world_.pose_noise.position_std_m;
     capture.orientation_std_rad = world_.pose_noise.orientation_std_rad;
     const Vector3d hover_m = Draw(kHover_m);
-    const Eigen::Quaterniond attitude = Turn(Draw(kSway_rad)) * LookFrom(command.yaw_rad, command.camera_pitch_rad);
+    const Eigen::Quaterniond attitude =
+        Turn(Draw(kSway_rad)) * LookFrom(command.yaw_rad, command.camera_pitch_rad);
     capture.map_from_camera = {attitude.normalized(), state_.position_in_map_m + hover_m};
-    const Pose<Map, Camera> truly = {(Turn(Draw(world_.pose_noise.orientation_std_rad)) * attitude).normalized(),
-                                     true_m_ + hover_m};
+    const Pose<Map, Camera> truly = {
+        (Turn(Draw(world_.pose_noise.orientation_std_rad)) * attitude).normalized(), true_m_ + hover_m};
     const cv::Mat3b picture = renderer_.Render({{truly}, noise_seed_ + command.capture_id});
     capture.bytes = sim::EncodeJpeg(picture, world_.camera.jpeg_quality, now_);
     Result<Observation> seen = Observe(capture, pipeline_);
@@ -231,7 +237,8 @@ bool RehearsalResult::IsRight() const {
     case sim::Outcome::kFlown:
       return outcome == MissionOutcome::kFlown && was_passage_flown;
     case sim::Outcome::kNotFlown:
-      return !was_passage_flown && (outcome == MissionOutcome::kBlocked || outcome == MissionOutcome::kInsufficientData);
+      return !was_passage_flown &&
+             (outcome == MissionOutcome::kBlocked || outcome == MissionOutcome::kInsufficientData);
     case sim::Outcome::kNoMatch:
       return !was_passage_flown && outcome == MissionOutcome::kNoMatch;
   }

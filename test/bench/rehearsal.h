@@ -15,7 +15,7 @@ namespace soffit::bench {
 struct RehearsalResult {
   sim::Outcome expected = sim::Outcome::kNotFlown;
   MissionOutcome outcome = MissionOutcome::kNone;
-  std::string message;            ///< Why the mission ended so.
+  std::string message;  ///< Why the mission ended so.
   int pictures = 0;
   int contacts = 0;
   bool was_passage_flown = false;
@@ -26,9 +26,10 @@ struct RehearsalResult {
   bool IsRight() const;
 };
 
-/// A rehearsal is a whole mission with the service's real mission logic and real stages on rendered pictures, but
-/// without its processes, links and waiting: the vehicle is where it was sent at once. It believes in poses that are
-/// wrong by the world's noise and flies by them. Takes seconds instead of minutes. Same world and seed: same result.
+/// A rehearsal is a whole mission with the service's real mission logic and real stages on rendered pictures,
+/// but without its processes, links and waiting: the vehicle is where it was sent at once. It believes in
+/// poses that are wrong by the world's noise and flies by them. Takes seconds instead of minutes. Same world
+/// and seed: same result.
 ///
 /// @param folder  Keeps `world.yaml`, the pictures with their poses (soffit-survey/1) and `reference.png`, as
 ///                `soffit analyze` reads them; empty: nothing is kept.

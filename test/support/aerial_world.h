@@ -16,7 +16,7 @@ namespace soffit::test {
 struct Block {
   Ring ring_in_map_m;  ///< Counter-clockwise.
   double height_m = 0.0;
-  double floor_m = 0.0;        ///< Of a block that hangs in the air.
+  double floor_m = 0.0;  ///< Of a block that hangs in the air.
 };
 
 inline Ring Turned(Ring ring, double angle_rad, const Eigen::Vector2d& to = Eigen::Vector2d::Zero()) {

@@ -20,7 +20,9 @@ inline const cv::Vec3b kBlueWall(150, 50, 30);
 inline const cv::Vec3b kGreyGround(120, 122, 124);
 inline const cv::Vec3b kBrightSky(235, 225, 215);
 
-inline Ring Box(double x0, double y0, double x1, double y1) { return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}; }
+inline Ring Box(double x0, double y0, double x1, double y1) {
+  return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+}
 
 inline Prism Upright(const Ring& ring, double bottom_m, double top_m) {
   Prism prism;
@@ -55,7 +57,8 @@ inline cv::Mat3b Paint(const View& view, const std::vector<Thing>& things) {
     const Prediction alone = Predict(view, {&thing.mesh});
     for (int y = 0; y < picture.rows; ++y) {
       for (int x = 0; x < picture.cols; ++x) {
-        if (alone.label(y, x) != static_cast<uchar>(Seen::kStructure) || alone.depth_m(y, x) >= depth(y, x)) continue;
+        if (alone.label(y, x) != static_cast<uchar>(Seen::kStructure) || alone.depth_m(y, x) >= depth(y, x))
+          continue;
         depth(y, x) = alone.depth_m(y, x);
         picture(y, x) = thing.bgr;
       }
@@ -108,8 +111,10 @@ struct Arch {
   Thing thing() const {
     const double end = depth_m < 1.5 ? -0.75 + depth_m : 1.0;
     const Ring opening = Box(-0.5 * width_m, -1.0, 0.5 * width_m, end);
-    return {Subtract(Upright(footprint().polygon_in_map_m.outer, 0.0, 2.3), {Upright(opening, -0.1, height_m)}).value(),
-            kBlueWall};
+    return {
+        Subtract(Upright(footprint().polygon_in_map_m.outer, 0.0, 2.3), {Upright(opening, -0.1, height_m)})
+            .value(),
+        kBlueWall};
   }
 };
 

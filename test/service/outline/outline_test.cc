@@ -205,7 +205,7 @@ TEST(TraceRegions, TellsTouchingLabelsApart) {
 TEST(TraceRegions, GivesHolesToTheRegionAroundThem) {
   cv::Mat1b labels(20, 40, uchar{1});
   labels.col(20) = 0;
-  labels(cv::Rect(3, 3, 6, 2)) = 0;    // An arch: its feet end later than the hole between them.
+  labels(cv::Rect(3, 3, 6, 2)) = 0;  // An arch: its feet end later than the hole between them.
   labels(cv::Rect(3, 3, 2, 10)) = 0;
   labels(cv::Rect(6, 6, 1, 2)) = 0;
   labels(cv::Rect(25, 8, 10, 10)) = 0;

@@ -85,7 +85,8 @@ Stages FakeStages() {
              std::uint64_t revision) { return SeeAnArch(revision, vehicle); }};
 }
 
-/// An agent whose vehicle does quickly what it is told, but not so quickly that no heartbeat falls into a mission.
+/// An agent whose vehicle does quickly what it is told, but not so quickly that no heartbeat falls into a
+/// mission.
 class FakeAgent {
  public:
   FakeAgent(std::uint32_t vehicle_id, std::uint64_t epoch)
