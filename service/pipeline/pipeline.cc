@@ -35,8 +35,7 @@ std::vector<Footprint> MakeVectorMap(const std::vector<Observation>& observation
 }
 
 /// Only whole shapes can be recognized; `Match::shapes` of the answer index `map`.
-std::vector<Match> Recognize(const std::vector<Footprint>& map, const Reference& reference,
-                             const MatchOptions& options) {
+std::vector<Match> Recognize(const std::vector<Footprint>& map, const Reference& reference, const MatchOptions& options) {
   std::vector<std::size_t> whole;
   std::vector<TracedShape> shapes;
   for (std::size_t i = 0; i < map.size(); ++i) {
@@ -53,17 +52,11 @@ std::vector<Match> Recognize(const std::vector<Footprint>& map, const Reference&
   return matches;
 }
 
-bool IsRecognized(const std::vector<Match>& matches) {
-  return !matches.empty() && !matches.front().is_ambiguous;
-}
-
 /// The wanted objects are those of the best match, unless another place fits about as well.
-std::vector<SceneObject> MarkWanted(const std::vector<Footprint>& map, const std::vector<Match>& matches,
-                                    int neighbours) {
+std::vector<SceneObject> MarkWanted(const std::vector<Footprint>& map, const std::vector<Match>& matches, int neighbours) {
   std::vector<SceneObject> objects;
-  for (const Footprint& footprint : map)
-    objects.push_back({footprint, false, {}, FindNeighbours(footprint, map, neighbours)});
-  if (!IsRecognized(matches)) return objects;
+  for (const Footprint& footprint : map) objects.push_back({footprint, false, {}, FindNeighbours(footprint, map, neighbours)});
+  if (matches.empty() || matches.front().is_ambiguous) return objects;
   for (const std::size_t shape : matches.front().shapes) {
     objects[shape].is_matched = true;
     objects[shape].match = matches.front();
@@ -72,8 +65,7 @@ std::vector<SceneObject> MarkWanted(const std::vector<Footprint>& map, const std
 }
 
 /// Fits the best match once more, to the footprints as the models adjusted them.
-void RefineMatch(std::vector<SceneObject>& objects, Match& match, const Reference& reference,
-                 const MatchOptions& options) {
+void RefineMatch(std::vector<SceneObject>& objects, Match& match, const Reference& reference, const MatchOptions& options) {
   std::vector<TracedShape> shapes;
   for (const std::size_t shape : match.shapes) shapes.push_back({objects[shape].footprint.polygon_in_map_m});
   const std::vector<Match> found = FindMatches(shapes, reference, options);
@@ -86,21 +78,20 @@ void RefineMatch(std::vector<SceneObject>& objects, Match& match, const Referenc
   for (const std::size_t shape : match.shapes) objects[shape].match = match;
 }
 
-std::string DescribeFailure(const std::vector<Match>& matches) {
+std::string DescribeRecognition(const std::vector<Match>& matches) {
   if (matches.empty()) return "the wanted building is not among those that were seen";
+  if (!matches.front().is_ambiguous) return "";
   return "the wanted building was found in " + std::to_string(matches.size()) +
          " places that fit about as well: give a reference with its neighbours";
 }
 
-/// The model of a wanted building has what the horizontal pictures show of its walls, that of another one is
-/// plain. The sights of a wanted building are adjusted to it. A stage that throws has a bug or met a
-/// library's failure: the building stays unknown then.
+/// The model of a wanted building has what the horizontal pictures show of its walls, that of another one is plain.
+/// The pictures that show a wanted building are adjusted to it. A stage that throws has a bug or met a library's failure: the building stays unknown then.
 Result<Solid> ModelObject(const SceneObject& object, HorizontalViews& views, const PipelineOptions& options,
                           std::vector<Facade>& facades) try {
   if (!object.is_matched) return RaiseSolid(object.footprint, {}, options.solid);
   const Alignment aligned = AlignSights(object.footprint, views.masks, views.sights, options.facade);
-  std::vector<Facade> walls =
-      ReadFacades(aligned.footprint, views.images, views.masks, aligned.sights, options.facade);
+  std::vector<Facade> walls = ReadFacades(aligned.footprint, views.images, views.masks, aligned.sights, options.facade);
   views.sights = aligned.sights;
   facades.insert(facades.end(), walls.begin(), walls.end());
   return RaiseSolid(aligned.footprint, walls, options.solid);
@@ -108,13 +99,7 @@ Result<Solid> ModelObject(const SceneObject& object, HorizontalViews& views, con
   return Error{Error::Code::kInternal, failure.what()};
 }
 
-bool HasSolid(const Scene& scene, std::uint32_t object_id) {
-  return std::any_of(scene.solids.begin(), scene.solids.end(),
-                     [&](const Solid& solid) { return solid.footprint.object_id == object_id; });
-}
-
-ClearanceDecision Undecided(std::uint32_t object_id, const std::string& problem,
-                            const VehicleEnvelope& vehicle) {
+ClearanceDecision Undecided(std::uint32_t object_id, const std::string& problem, const VehicleEnvelope& vehicle) {
   ClearanceDecision decision;
   decision.object_id = object_id;
   decision.reason = problem;
@@ -122,9 +107,8 @@ ClearanceDecision Undecided(std::uint32_t object_id, const std::string& problem,
   return decision;
 }
 
-std::vector<ClearanceDecision> Decide(const Scene& scene, std::uint32_t object_id,
-                                      const std::vector<Sight>& sights, const VehicleEnvelope& vehicle,
-                                      const PipelineOptions& options) try {
+std::vector<ClearanceDecision> Decide(const Scene& scene, std::uint32_t object_id, const std::vector<Sight>& sights,
+                                      const VehicleEnvelope& vehicle, const PipelineOptions& options) try {
   const std::vector<Corridor> corridors = PlanCorridors(scene, object_id, vehicle, options.corridor);
   return JudgeClearance(scene, object_id, corridors, sights, vehicle, options.clearance);
 } catch (const std::exception& failure) {
@@ -151,14 +135,13 @@ Result<Observation> Observe(const Capture& capture, const PipelineOptions& optio
 }
 
 Understanding Understand(const std::vector<Observation>& observations, const Reference& reference,
-                         const VehicleEnvelope& vehicle, std::uint64_t revision,
-                         const PipelineOptions& options) {
+                         const VehicleEnvelope& vehicle, std::uint64_t revision, const PipelineOptions& options) {
   Understanding all;
   HorizontalViews views = CollectHorizontalViews(observations);
   std::vector<Footprint> map = MakeVectorMap(observations);
   all.matches = Recognize(map, reference, options.match);
   std::vector<SceneObject> objects = MarkWanted(map, all.matches, options.scene.neighbours);
-  if (!IsRecognized(all.matches)) all.problems.push_back(DescribeFailure(all.matches));
+  if (const std::string problem = DescribeRecognition(all.matches); !problem.empty()) all.problems.push_back(problem);
 
   std::vector<Solid> solids;
   for (SceneObject& object : objects) {
@@ -173,12 +156,15 @@ Understanding Understand(const std::vector<Observation>& observations, const Ref
     }
   }
 
-  if (IsRecognized(all.matches)) RefineMatch(objects, all.matches.front(), reference, options.match);
+  const bool is_found = std::any_of(objects.begin(), objects.end(), [](const auto& object) { return object.is_matched; });
+  if (is_found) RefineMatch(objects, all.matches.front(), reference, options.match);
 
   all.scene = BuildScene(revision, std::move(objects), std::move(solids), views.sights, options.scene);
   for (const SceneObject& object : all.scene.objects) {
     const std::uint32_t id = object.footprint.object_id;
-    if (!object.is_matched || !HasSolid(all.scene, id)) continue;
+    const bool is_modelled = std::any_of(all.scene.solids.begin(), all.scene.solids.end(),
+                                         [id](const Solid& solid) { return solid.footprint.object_id == id; });
+    if (!object.is_matched || !is_modelled) continue;
     for (ClearanceDecision& decision : Decide(all.scene, id, views.sights, vehicle, options)) {
       all.decisions.push_back(std::move(decision));
     }

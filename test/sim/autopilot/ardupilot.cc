@@ -1,6 +1,5 @@
 /// ArduPilot Copter 4.5 as a companion computer meets it: measured on the real program, on loopback.
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "test/sim/autopilot/autopilot.h"
@@ -36,27 +35,14 @@ constexpr std::uint16_t kFlagsNoGps = 0x0a7;
 constexpr std::uint16_t kFlagsReady = 0x33f;
 constexpr std::uint16_t kFlagsGpsLost = 0x025;
 
-struct ModeTraits {
-  CopterMode mode;
-  const char* name;
-  bool needs_position;
-  bool can_arm;
-};
-constexpr std::array<ModeTraits, 8> kModes = {{{kCopterStabilize, "STABILIZE", false, true},
-                                               {kCopterAltHold, "ALT_HOLD", false, true},
-                                               {kCopterGuided, "GUIDED", true, true},
-                                               {kCopterLoiter, "LOITER", true, true},
-                                               {kCopterRtl, "RTL", true, false},
-                                               {kCopterLand, "LAND", false, false},
-                                               {kCopterPosHold, "POSHOLD", true, true},
-                                               {kCopterBrake, "BRAKE", true, false}}};
-
-const ModeTraits* FindMode(double number) {
-  const auto found = std::find_if(kModes.begin(), kModes.end(), [&](const ModeTraits& traits) {
-    return static_cast<double>(traits.mode) == number;
-  });
-  return found == kModes.end() ? nullptr : &*found;
-}
+const std::vector<FlightMode> kModes = {{kCopterStabilize, "STABILIZE", false, true},
+                                        {kCopterAltHold, "ALT_HOLD", false, true},
+                                        {kCopterGuided, "GUIDED", true, true},
+                                        {kCopterLoiter, "LOITER", true, true},
+                                        {kCopterRtl, "RTL", true, false},
+                                        {kCopterLand, "LAND", false, false},
+                                        {kCopterPosHold, "POSHOLD", true, true},
+                                        {kCopterBrake, "BRAKE", true, false}};
 
 std::map<std::string, double> DefaultParameters() {
   return {{"ARMING_CHECK", 1},     {"BATT_FS_LOW_ACT", 2}, {"BATT_LOW_RATIO", 0.15}, {"DISARM_DELAY", 10},
@@ -69,23 +55,13 @@ std::map<std::string, double> DefaultParameters() {
 
 class ArduPilot final : public Autopilot {
  public:
-  explicit ArduPilot(const AutopilotOptions& options) : Autopilot(options, DefaultParameters()) { Boot(); }
-
-  std::string ModeName() const override { return FindMode(static_cast<double>(mode_))->name; }
-
-  bool PilotSelects(const std::string& mode) override {
-    const auto found = std::find_if(kModes.begin(), kModes.end(),
-                                    [&](const ModeTraits& traits) { return traits.name == mode; });
-    if (found == kModes.end()) return false;
-    SetRadio(true);
-    Enter(found->mode);
-    return true;
+  explicit ArduPilot(const AutopilotOptions& options) : Autopilot(options, DefaultParameters(), kModes) {
+    Boot();
   }
 
  protected:
   void Boot() override {
     speed_mps_ = parameters_["WPNAV_SPEED"] * 0.01;
-    is_failsafe_ = false;
     has_announced_battery_ = false;
     battery_low_since_s_.reset();
     SetIntervalOnAllLinks(Heartbeat::kId, 1.0);
@@ -97,62 +73,44 @@ class ArduPilot final : public Autopilot {
     switch (request.command) {
       case kCmdDoSetMode:
         return SelectMode(request);
-      case kCmdComponentArmDisarm:
-        return ArmOrDisarm(request);
       case kCmdNavTakeoff:
         return TakeOff(request);
       case kCmdNavLand:
-        return SelectMode(kCopterLand);
+        return SelectMode(*FindMode(kCopterLand));
       case kCmdNavReturnToLaunch:
-        return SelectMode(kCopterRtl);
+        return SelectMode(*FindMode(kCopterRtl));
       case kCmdConditionYaw:
         return TurnTo(request);
       case kCmdDoChangeSpeed:
         if (!(request.param2 > 0.0)) return kResultFailed;
         speed_mps_ = request.param2;
         return kResultAccepted;
-      case kCmdDoSetHome:
-        if (!frame_ || request.param1 != 1.0) return kResultFailed;
-        SetHome(senses_.estimate.position_m);
-        return kResultAccepted;
       default:
-        return ExecuteCommon(request);
+        break;
     }
+    const bool was_armed = is_armed_;
+    const CommandResult result = ExecuteCommon(request);
+    if (is_armed_ && !was_armed) Announce(kSeverityInfo, "Arming motors");
+    return result;
   }
 
   void TakeSetpoint(const SetPositionTargetLocalNed& m) override {
     if (mode_ != kCopterGuided || !is_armed_ || !frame_) return;
-    const bool has_position = (m.type_mask & kIgnorePosition) == 0;
-    const bool has_velocity = (m.type_mask & kIgnoreVelocity) == 0;
+    const std::optional<Setpoint> setpoint = ToMap(m);
     const bool has_acceleration = (m.type_mask & kIgnoreAcceleration) == 0;
-    const bool is_frame_known =
-        m.coordinate_frame == kFrameLocalNed || m.coordinate_frame == kFrameLocalOffsetNed ||
-        m.coordinate_frame == kFrameBodyNed || m.coordinate_frame == kFrameBodyOffsetNed;
-    const bool has_yaw = (m.type_mask & kIgnoreYaw) == 0;
-    const bool is_finite = (!has_position || std::isfinite(m.x + m.y + m.z)) &&
-                           (!has_velocity || std::isfinite(m.vx + m.vy + m.vz)) &&
-                           (!has_yaw || std::isfinite(m.yaw));
-    if (!is_frame_known || !is_finite || has_acceleration || (!has_position && !has_velocity)) return Hold();
+    if (!setpoint || has_acceleration || !std::isfinite(setpoint->heading_rad.value_or(0.0)))
+      return Enter(mode_);
     if (is_landed_ && guided_ != Guided::kTakeoff) return;  // Only a takeoff leaves the ground.
 
-    const bool is_body = m.coordinate_frame == kFrameBodyNed || m.coordinate_frame == kFrameBodyOffsetNed;
-    const double yaw_rad = YawOf(senses_.estimate.map_from_body);
-    const Eigen::AngleAxisd from_nose(is_body ? yaw_rad - 0.5 * M_PI : 0.0, Eigen::Vector3d::UnitZ());
-    guided_ = has_position ? Guided::kPosition : Guided::kVelocity;
+    guided_ = setpoint->position_m ? Guided::kPosition : Guided::kVelocity;
     setpoint_s_ = boot_s_;
-    if (has_position) {
-      const Eigen::Vector3d sent(m.x, m.y, m.z);
-      const bool is_offset = m.coordinate_frame != kFrameLocalNed;
-      target_m_ = is_offset
-                      ? Eigen::Vector3d(senses_.estimate.position_m + from_nose * NedFrame::SwapVector(sent))
-                      : frame_->ToMap(sent);
-    }
-    velocity_mps_.setZero();
-    if (has_velocity) velocity_mps_ = from_nose * NedFrame::SwapVector(Eigen::Vector3d(m.vx, m.vy, m.vz));
-    if (has_yaw) {
-      yaw_rad_ = is_body ? WrapAngle(yaw_rad - static_cast<double>(m.yaw))
-                         : NedFrame::SwapYaw(static_cast<double>(m.yaw));
-    } else if (has_position) {
+    target_m_ = setpoint->position_m.value_or(target_m_);
+    velocity_mps_ = setpoint->velocity_mps.value_or(Eigen::Vector3d::Zero());
+    if (setpoint->heading_rad) {
+      const bool is_body = m.coordinate_frame == kFrameBodyNed || m.coordinate_frame == kFrameBodyOffsetNed;
+      yaw_rad_ = is_body ? WrapAngle(YawOf(senses_.estimate.map_from_body) - *setpoint->heading_rad)
+                         : NedFrame::SwapYaw(*setpoint->heading_rad);
+    } else if (setpoint->position_m) {
       const Eigen::Vector2d way_m = (target_m_ - senses_.estimate.position_m).head<2>();
       if (way_m.norm() > kLookAhead_m) yaw_rad_ = std::atan2(way_m.y(), way_m.x());
     }
@@ -178,25 +136,20 @@ class ArduPilot final : public Autopilot {
         {SystemTime::kId, BatteryStatus::kId, EkfStatusReport::kId, GimbalDeviceAttitudeStatus::kId});
   }
 
-  void Update(double) override {
-    if (!frame_ && boot_s_ >= Start(kOriginSet_s) && has_gps_) {
-      SetOrigin(kOriginInMap_m);
-      Announce(kSeverityInfo, "EKF3 IMU0 origin set");
-      SetHome(Eigen::Vector3d::Zero());
-    }
-    limits_ = {speed_mps_,
-               parameters_["WPNAV_SPEED_UP"] * 0.01,
-               parameters_["WPNAV_SPEED_DN"] * 0.01,
-               parameters_["WPNAV_ACCEL"] * 0.01,
-               FlightLimits{}.vertical_acceleration_mps2,
-               FlightLimits{}.yaw_rate_radps};
-    if (!is_armed_) {
-      is_landed_ = senses_.is_on_ground;
-      return;
-    }
-    CheckFailsafes();
-    Fly();
-    CheckLanded();
+  void Locate() override {
+    if (boot_s_ < Start(kOriginSet_s)) return;
+    SetOrigin(kOriginInMap_m);
+    Announce(kSeverityInfo, "EKF3 IMU0 origin set");
+    SetHome(Eigen::Vector3d::Zero());
+  }
+
+  FlightLimits Limits() const override {
+    return {speed_mps_,
+            parameters_["WPNAV_SPEED_UP"] * 0.01,
+            parameters_["WPNAV_SPEED_DN"] * 0.01,
+            parameters_["WPNAV_ACCEL"] * 0.01,
+            FlightLimits{}.vertical_acceleration_mps2,
+            FlightLimits{}.yaw_rate_radps};
   }
 
   void Describe(Report& report) const override {
@@ -217,6 +170,19 @@ class ArduPilot final : public Autopilot {
     report.throttle_ratio = has_radio_ ? 0.5 : 0.0;
     if (mode_ == kCopterGuided && guided_ == Guided::kPosition && is_armed_)
       report.target_in_map_m = target_m_;
+  }
+
+  CommandResult Refusal() const override { return kResultFailed; }
+  CommandResult RefuseToDisarm() override { return kResultFailed; }
+
+  std::string ReasonNotToArm() const override {
+    const FlightMode& mode = *FindMode(mode_);
+    if (!mode.can_arm) return "Arm: Mode not armable";
+    if (mode.needs_position && !HasPosition()) return "Arm: Need Position Estimate";
+    if (senses_.battery_ratio < parameters_["BATT_LOW_RATIO"])
+      return "Arm: Battery 1 below minimum arming capacity";
+    if (!has_radio_ && mode_ != kCopterGuided) return "Arm: RC not found";
+    return "";
   }
 
  private:
@@ -245,55 +211,21 @@ class ArduPilot final : public Autopilot {
 
   CommandResult SelectMode(const CommandRequest& request) {
     if (request.param1 < 1.0) return kResultUnsupported;
-    const ModeTraits* traits = FindMode(request.param2);
-    if (traits == nullptr) {
+    const FlightMode* mode = FindMode(request.param2);
+    if (mode == nullptr) {
       Announce(kSeverityWarning, "No such mode");
       return kResultFailed;
     }
-    return SelectMode(traits->mode);
+    return SelectMode(*mode);
   }
 
-  CommandResult SelectMode(CopterMode mode) {
-    const ModeTraits* traits = FindMode(static_cast<double>(mode));
-    if (is_armed_ && traits->needs_position && !HasPosition()) {
-      Announce(kSeverityWarning,
-               std::string("Mode change to ") + traits->name + " failed: requires position");
+  CommandResult SelectMode(const FlightMode& mode) {
+    if (is_armed_ && mode.needs_position && !HasPosition()) {
+      Announce(kSeverityWarning, std::string("Mode change to ") + mode.name + " failed: requires position");
       return kResultFailed;
     }
-    if (mode != mode_) Enter(mode);
+    if (mode.number != mode_) Enter(mode.number);
     return kResultAccepted;
-  }
-
-  CommandResult ArmOrDisarm(const CommandRequest& request) {
-    const bool is_forced = request.param2 == static_cast<double>(kForceArmDisarm);
-    if (request.param1 == 0.0) {
-      if (!is_landed_ && !is_forced) return kResultFailed;
-      Disarm();
-      return kResultAccepted;
-    }
-    if (request.param1 != 1.0) return kResultUnsupported;
-    if (is_armed_) return kResultAccepted;
-    if (const char* reason = is_forced ? nullptr : ReasonNotToArm()) {
-      Announce(kSeverityCritical, std::string("Arm: ") + reason);
-      return kResultFailed;
-    }
-    Announce(kSeverityInfo, "Arming motors");
-    is_armed_ = true;
-    is_failsafe_ = false;
-    idle_since_s_ = boot_s_;
-    if (frame_) SetHome(senses_.estimate.position_m);
-    Enter(mode_);
-    return kResultAccepted;
-  }
-
-  const char* ReasonNotToArm() const {
-    const ModeTraits* traits = FindMode(static_cast<double>(mode_));
-    if (!traits->can_arm) return "Mode not armable";
-    if (traits->needs_position && !HasPosition()) return "Need Position Estimate";
-    if (senses_.battery_ratio < parameters_["BATT_LOW_RATIO"])
-      return "Battery 1 below minimum arming capacity";
-    if (!has_radio_ && mode_ != kCopterGuided) return "RC not found";
-    return nullptr;
   }
 
   CommandResult TakeOff(const CommandRequest& request) {
@@ -320,10 +252,10 @@ class ArduPilot final : public Autopilot {
 
   // Modes.
 
-  void Enter(CopterMode mode) {
-    mode_ = mode;
-    Hold();
-    if (mode == kCopterRtl && home_in_map_m_) {
+  void OnEnter() override {
+    guided_ = Guided::kHold;
+    velocity_mps_.setZero();
+    if (mode_ == kCopterRtl && home_in_map_m_) {
       return_ = Return::kClimb;
       const Eigen::Vector3d& here_m = senses_.estimate.position_m;
       const double away_m = (here_m - *home_in_map_m_).head<2>().norm();
@@ -333,26 +265,7 @@ class ArduPilot final : public Autopilot {
     }
   }
 
-  void Hold() {
-    guided_ = Guided::kHold;
-    target_m_ = StoppingPoint();
-    velocity_mps_.setZero();
-    yaw_rad_ = YawOf(senses_.estimate.map_from_body);
-  }
-
-  void FlyTo(const Eigen::Vector3d& position_m) {
-    goal_ = {FlightGoal::Kind::kPosition, position_m, Eigen::Vector3d::Zero(), yaw_rad_};
-  }
-  void FlyAt(const Eigen::Vector3d& velocity_mps) {
-    goal_ = {FlightGoal::Kind::kVelocity, Eigen::Vector3d::Zero(), velocity_mps, yaw_rad_};
-  }
-  /// Straight down over `target_m_`.
-  void Sink(double speed_mps) {
-    FlyTo({target_m_.x(), target_m_.y(), control_.path_position_m().z()});
-    goal_.velocity_mps.z() = -speed_mps;
-  }
-
-  void Fly() {
+  void Fly() override {
     const bool is_taking_off = mode_ == kCopterGuided && guided_ == Guided::kTakeoff;
     if (is_landed_ && !(is_taking_off && SecondsSince(setpoint_s_) >= kSpoolUp_s)) {
       goal_.kind = FlightGoal::Kind::kIdle;
@@ -423,7 +336,7 @@ class ArduPilot final : public Autopilot {
     }
   }
 
-  void CheckLanded() {
+  void CheckLanded() override {
     if (!senses_.is_on_ground) {
       is_landed_ = false;
       touched_s_ = boot_s_;
@@ -441,16 +354,16 @@ class ArduPilot final : public Autopilot {
     if (SecondsSince(idle_since_s_) > (is_landing ? kTouchdownTime_s : parameters_["DISARM_DELAY"])) Disarm();
   }
 
-  void Disarm() {
+  void Disarm() override {
     if (is_armed_) Announce(kSeverityInfo, "Disarming motors");
     is_armed_ = false;
     is_failsafe_ = false;
-    Hold();
+    Enter(mode_);
   }
 
   // Failsafes.
 
-  void CheckFailsafes() {
+  void CheckFailsafes() override {
     if (!has_gps_ && SecondsSince(gps_changed_s_) > kGpsFailsafe_s && !is_landed_) {
       FailSafe(kCopterLand, "EKF Failsafe: changed to LAND Mode");
     }
@@ -475,7 +388,7 @@ class ArduPilot final : public Autopilot {
     }
   }
 
-  void FailSafe(CopterMode mode, std::string_view text) {
+  void FailSafe(std::uint32_t mode, std::string_view text) {
     if (is_failsafe_ && mode_ == mode) return;
     is_failsafe_ = true;
     Announce(kSeverityWarning, text);
@@ -483,17 +396,11 @@ class ArduPilot final : public Autopilot {
     Enter(mode);
   }
 
-  CopterMode mode_ = kCopterStabilize;
   Guided guided_ = Guided::kHold;
   Return return_ = Return::kClimb;
-  Eigen::Vector3d target_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_mps_ = Eigen::Vector3d::Zero();
-  double yaw_rad_ = 0.0;
   double speed_mps_ = 10.0;
-  double setpoint_s_ = 0.0;
-  double idle_since_s_ = 0.0;
   double touched_s_ = 0.0;
-  bool is_failsafe_ = false;
   bool has_announced_battery_ = false;
   std::optional<double> battery_low_since_s_;
 };

@@ -35,9 +35,11 @@ CommandRequest ToRequest(const CommandInt& m) {
 
 }  // namespace
 
-Autopilot::Autopilot(const AutopilotOptions& options, std::map<std::string, double> parameters)
+Autopilot::Autopilot(const AutopilotOptions& options, std::map<std::string, double> parameters,
+                     std::vector<FlightMode> modes)
     : options_(options),
       parameters_(std::move(parameters)),
+      modes_(std::move(modes)),
       links_(options.link_count, Telemetry(options.system_id, kComponentAutopilot)) {}
 
 void Autopilot::SetGps(bool is_there) {
@@ -56,6 +58,7 @@ void Autopilot::Reboot() {
   next_timesync_s_ = 1.0;
   last_heartbeat_of_gcs_s_ = -1.0;
   is_armed_ = false;
+  is_failsafe_ = false;
   goal_ = {};
   frame_.reset();
   home_in_map_m_.reset();
@@ -90,6 +93,69 @@ void Autopilot::PassOn(const Frame& frame) {
   for (std::size_t link = 0; link < links_.size(); ++link) {
     if (link != asking_link_) links_[link].PassOn(frame);
   }
+}
+
+bool Autopilot::PilotSelects(const std::string& mode) {
+  const auto found =
+      std::find_if(modes_.begin(), modes_.end(), [&](const FlightMode& m) { return m.name == mode; });
+  if (found == modes_.end()) return false;
+  SetRadio(true);
+  Enter(found->number);
+  return true;
+}
+
+const FlightMode* Autopilot::FindMode(double number) const {
+  const auto found = std::find_if(modes_.begin(), modes_.end(), [&](const FlightMode& mode) {
+    return static_cast<double>(mode.number) == number;
+  });
+  return found == modes_.end() ? nullptr : &*found;
+}
+
+void Autopilot::Enter(std::uint32_t mode) {
+  mode_ = mode;
+  target_m_ = StoppingPoint();
+  yaw_rad_ = YawOf(senses_.estimate.map_from_body);
+  OnEnter();
+}
+
+void Autopilot::FlyTo(const Eigen::Vector3d& position_m) {
+  goal_ = {FlightGoal::Kind::kPosition, position_m, Eigen::Vector3d::Zero(), yaw_rad_};
+}
+
+void Autopilot::FlyAt(const Eigen::Vector3d& velocity_mps) {
+  goal_ = {FlightGoal::Kind::kVelocity, Eigen::Vector3d::Zero(), velocity_mps, yaw_rad_};
+}
+
+void Autopilot::Sink(double speed_mps) {
+  FlyTo({target_m_.x(), target_m_.y(), control_.path_position_m().z()});
+  goal_.velocity_mps.z() = -speed_mps;
+}
+
+std::optional<Setpoint> Autopilot::ToMap(const SetPositionTargetLocalNed& m) const {
+  const bool is_body = m.coordinate_frame == kFrameBodyNed || m.coordinate_frame == kFrameBodyOffsetNed;
+  const bool is_offset = is_body || m.coordinate_frame == kFrameLocalOffsetNed;
+  const bool has_position = (m.type_mask & kIgnorePosition) == 0;
+  const bool has_velocity = (m.type_mask & kIgnoreVelocity) == 0;
+  const bool has_yaw = (m.type_mask & kIgnoreYaw) == 0;
+  if (!frame_ || (!is_offset && m.coordinate_frame != kFrameLocalNed) || (!has_position && !has_velocity) ||
+      (has_position && !std::isfinite(m.x + m.y + m.z)) ||
+      (has_velocity && !std::isfinite(m.vx + m.vy + m.vz))) {
+    return std::nullopt;
+  }
+  const Eigen::AngleAxisd from_nose(is_body ? YawOf(senses_.estimate.map_from_body) - 0.5 * M_PI : 0.0,
+                                    Eigen::Vector3d::UnitZ());
+  Setpoint setpoint;
+  if (has_position) {
+    const Eigen::Vector3d sent(m.x, m.y, m.z);
+    setpoint.position_m =
+        is_offset ? Eigen::Vector3d(senses_.estimate.position_m + from_nose * NedFrame::SwapVector(sent))
+                  : frame_->ToMap(sent);
+  }
+  if (has_velocity) {
+    setpoint.velocity_mps = from_nose * NedFrame::SwapVector(Eigen::Vector3d(m.vx, m.vy, m.vz));
+  }
+  if (has_yaw) setpoint.heading_rad = static_cast<double>(m.yaw);
+  return setpoint;
 }
 
 Eigen::Vector3d Autopilot::StoppingPoint() const {
@@ -162,9 +228,16 @@ void Autopilot::AnswerTimesync(const Frame& frame, const Timesync& request) {
 CommandResult Autopilot::ExecuteCommon(const CommandRequest& request) {
   const std::uint32_t message_id = ToWhole(request.param1);
   switch (request.command) {
+    case kCmdComponentArmDisarm:
+      return ArmOrDisarm(request);
+    case kCmdDoSetHome:
+      if (!frame_ || request.param1 != 1.0) return Refusal();
+      SetHome(senses_.estimate.position_m);
+      return kResultAccepted;
     case kCmdSetMessageInterval: {
       const double interval_us = request.param2;
-      return asking_link().SetInterval(message_id, interval_us > 0.0 ? std::max(interval_us * 1e-6, 0.005) : 0.0)
+      return asking_link().SetInterval(message_id,
+                                       interval_us > 0.0 ? std::max(interval_us * 1e-6, 0.005) : 0.0)
                  ? kResultAccepted
                  : kResultDenied;
     }
@@ -195,6 +268,39 @@ CommandResult Autopilot::ExecuteCommon(const CommandRequest& request) {
   }
 }
 
+CommandResult Autopilot::ArmOrDisarm(const CommandRequest& request) {
+  const bool is_forced = request.param2 == static_cast<double>(kForceArmDisarm);
+  if (request.param1 == 0.0) {
+    if (!is_landed_ && !is_forced) return RefuseToDisarm();
+    Disarm();
+    return kResultAccepted;
+  }
+  if (request.param1 != 1.0) return kResultUnsupported;
+  if (is_armed_) return kResultAccepted;
+  if (const std::string reason = is_forced ? "" : ReasonNotToArm(); !reason.empty()) {
+    Announce(kSeverityCritical, reason);
+    return Refusal();
+  }
+  is_armed_ = true;
+  is_failsafe_ = false;
+  armed_s_ = idle_since_s_ = boot_s_;
+  if (frame_) SetHome(senses_.estimate.position_m);
+  Enter(mode_);
+  return kResultAccepted;
+}
+
+void Autopilot::Update() {
+  if (!frame_ && has_gps_) Locate();
+  limits_ = Limits();
+  if (!is_armed_) {
+    is_landed_ = senses_.is_on_ground;
+    return;
+  }
+  CheckFailsafes();
+  Fly();
+  CheckLanded();
+}
+
 Report Autopilot::MakeReport() const {
   Report report;
   report.boot_s = boot_s_;
@@ -216,7 +322,7 @@ Report Autopilot::MakeReport() const {
 MotorCommand Autopilot::Step(const Senses& senses, double dt_s) {
   senses_ = senses;
   boot_s_ += dt_s;
-  Update(dt_s);
+  Update();
   if (!is_armed_) goal_.kind = FlightGoal::Kind::kMotorsOff;
   MotorCommand command = control_.Step(goal_, limits_, senses_.estimate, dt_s);
   gimbal_.Step(senses_.estimate.map_from_body, dt_s);

@@ -1,7 +1,6 @@
 /// PX4 as a companion computer meets it: offboard control needs a stream of setpoints, telemetry is on from
 /// the start.
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "test/sim/autopilot/autopilot.h"
@@ -20,22 +19,15 @@ constexpr double kGpsFailsafe_s = 5.0;
 constexpr std::uint16_t kFlagsReady = 0x33f;
 constexpr std::uint16_t kFlagsNoGps = 0x0a7;
 
-struct ModeTraits {
-  std::uint32_t custom_mode;
-  const char* name;
-};
 constexpr std::uint32_t kPosition = Px4CustomMode(kPx4PosCtl);
 constexpr std::uint32_t kOffboard = Px4CustomMode(kPx4Offboard);
 constexpr std::uint32_t kTakeoff = Px4CustomMode(kPx4Auto, kPx4AutoTakeoff);
 constexpr std::uint32_t kHold = Px4CustomMode(kPx4Auto, kPx4AutoLoiter);
 constexpr std::uint32_t kReturn = Px4CustomMode(kPx4Auto, kPx4AutoRtl);
 constexpr std::uint32_t kLand = Px4CustomMode(kPx4Auto, kPx4AutoLand);
-constexpr std::array<ModeTraits, 6> kModes = {{{kPosition, "POSCTL"},
-                                               {kOffboard, "OFFBOARD"},
-                                               {kTakeoff, "AUTO.TAKEOFF"},
-                                               {kHold, "AUTO.LOITER"},
-                                               {kReturn, "AUTO.RTL"},
-                                               {kLand, "AUTO.LAND"}}};
+const std::vector<FlightMode> kModes = {{kPosition, "POSCTL"},      {kOffboard, "OFFBOARD"},
+                                        {kTakeoff, "AUTO.TAKEOFF"}, {kHold, "AUTO.LOITER"},
+                                        {kReturn, "AUTO.RTL"},      {kLand, "AUTO.LAND"}};
 
 std::map<std::string, double> DefaultParameters() {
   return {{"COM_DISARM_LAND", 2},  {"COM_DISARM_PRFLT", 10}, {"COM_OBL_RC_ACT", 5},
@@ -46,25 +38,10 @@ std::map<std::string, double> DefaultParameters() {
 
 class Px4 final : public Autopilot {
  public:
-  explicit Px4(const AutopilotOptions& options) : Autopilot(options, DefaultParameters()) { Boot(); }
-
-  std::string ModeName() const override {
-    return std::find_if(kModes.begin(), kModes.end(), [&](const auto& m) { return m.custom_mode == mode_; })
-        ->name;
-  }
-
-  bool PilotSelects(const std::string& mode) override {
-    const auto found =
-        std::find_if(kModes.begin(), kModes.end(), [&](const auto& m) { return m.name == mode; });
-    if (found == kModes.end()) return false;
-    SetRadio(true);
-    Enter(found->custom_mode);
-    return true;
-  }
+  explicit Px4(const AutopilotOptions& options) : Autopilot(options, DefaultParameters(), kModes) { Boot(); }
 
  protected:
   void Boot() override {
-    is_failsafe_ = false;
     const std::pair<std::uint32_t, double> streams[] = {
         {Heartbeat::kId, 1.0},          {Attitude::kId, 0.02},         {AttitudeQuaternion::kId, 0.02},
         {LocalPositionNed::kId, 0.033}, {GlobalPositionInt::kId, 0.1}, {SysStatus::kId, 0.5},
@@ -78,65 +55,44 @@ class Px4 final : public Autopilot {
     switch (request.command) {
       case kCmdDoSetMode:
         return SelectMode(request);
-      case kCmdComponentArmDisarm:
-        return ArmOrDisarm(request);
       case kCmdNavTakeoff:
         return TakeOff(request);
       case kCmdNavLand:
         return SelectMode(kLand);
       case kCmdNavReturnToLaunch:
         return SelectMode(kReturn);
-      case kCmdDoSetHome:
-        if (!frame_ || request.param1 != 1.0) return kResultTemporarilyRejected;
-        SetHome(senses_.estimate.position_m);
-        return kResultAccepted;
       default:
         return ExecuteCommon(request);
     }
   }
 
   void TakeSetpoint(const SetPositionTargetLocalNed& m) override {
-    const bool has_position = (m.type_mask & kIgnorePosition) == 0;
-    const bool has_velocity = (m.type_mask & kIgnoreVelocity) == 0;
-    const bool is_body = m.coordinate_frame == kFrameBodyNed;
-    if (!frame_ || (m.coordinate_frame != kFrameLocalNed && !is_body) || (!has_position && !has_velocity) ||
-        (is_body && has_position) || (has_position && !std::isfinite(m.x + m.y + m.z)) ||
-        (has_velocity && !std::isfinite(m.vx + m.vy + m.vz))) {
-      return;
-    }
+    const std::optional<Setpoint> setpoint = ToMap(m);
+    const bool is_known = m.coordinate_frame == kFrameLocalNed ||
+                          (m.coordinate_frame == kFrameBodyNed && setpoint && !setpoint->position_m);
+    if (!setpoint || !is_known) return;
     previous_setpoint_s_ = setpoint_s_;
     setpoint_s_ = boot_s_;
-    const Eigen::AngleAxisd from_nose(is_body ? YawOf(senses_.estimate.map_from_body) - 0.5 * M_PI : 0.0,
-                                      Eigen::Vector3d::UnitZ());
-    wanted_ = {has_position ? FlightGoal::Kind::kPosition : FlightGoal::Kind::kVelocity,
-               Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), wanted_.yaw_rad};
-    if (has_position) wanted_.position_m = frame_->ToMap(Eigen::Vector3d(m.x, m.y, m.z));
-    if (has_velocity) {
-      wanted_.velocity_mps = from_nose * NedFrame::SwapVector(Eigen::Vector3d(m.vx, m.vy, m.vz));
-    }
-    if ((m.type_mask & kIgnoreYaw) == 0 && std::isfinite(m.yaw)) {
-      wanted_.yaw_rad = NedFrame::SwapYaw(static_cast<double>(m.yaw));
-    }
+    const double heading_rad = setpoint->heading_rad.value_or(NAN);
+    wanted_ = {setpoint->position_m ? FlightGoal::Kind::kPosition : FlightGoal::Kind::kVelocity,
+               setpoint->position_m.value_or(Eigen::Vector3d::Zero()),
+               setpoint->velocity_mps.value_or(Eigen::Vector3d::Zero()),
+               std::isfinite(heading_rad) ? NedFrame::SwapYaw(heading_rad) : wanted_.yaw_rad};
   }
 
-  void Update(double) override {
-    if (!frame_ && IsReady() && has_gps_) {
-      SetOrigin(Eigen::Vector3d::Zero());
-      SetHome(senses_.estimate.position_m);
-    }
-    limits_ = {parameters_["MPC_XY_VEL_MAX"],
-               parameters_["MPC_Z_VEL_MAX_UP"],
-               parameters_["MPC_Z_VEL_MAX_DN"],
-               parameters_["MPC_ACC_HOR"],
-               FlightLimits{}.vertical_acceleration_mps2,
-               FlightLimits{}.yaw_rate_radps};
-    if (!is_armed_) {
-      is_landed_ = senses_.is_on_ground;
-      return;
-    }
-    CheckFailsafes();
-    Fly();
-    CheckLanded();
+  void Locate() override {
+    if (boot_s_ < (options_.is_quick_start ? kQuickReady_s : kReady_s)) return;
+    SetOrigin(Eigen::Vector3d::Zero());
+    SetHome(senses_.estimate.position_m);
+  }
+
+  FlightLimits Limits() const override {
+    return {parameters_["MPC_XY_VEL_MAX"],
+            parameters_["MPC_Z_VEL_MAX_UP"],
+            parameters_["MPC_Z_VEL_MAX_DN"],
+            parameters_["MPC_ACC_HOR"],
+            FlightLimits{}.vertical_acceleration_mps2,
+            FlightLimits{}.yaw_rate_radps};
   }
 
   void Describe(Report& report) const override {
@@ -159,8 +115,16 @@ class Px4 final : public Autopilot {
       report.target_in_map_m = wanted_.position_m;
   }
 
+  CommandResult Refusal() const override { return kResultTemporarilyRejected; }
+  CommandResult RefuseToDisarm() override {
+    Announce(kSeverityCritical, "Disarming denied: not landed");
+    return kResultDenied;
+  }
+  std::string ReasonNotToArm() const override {
+    return HasPosition() ? "" : "Arming denied: Resolve system health failures first";
+  }
+
  private:
-  bool IsReady() const { return boot_s_ >= (options_.is_quick_start ? kQuickReady_s : kReady_s); }
   bool HasPosition() const {
     return frame_.has_value() && (has_gps_ || SecondsSince(gps_changed_s_) < kGpsFailsafe_s);
   }
@@ -173,10 +137,10 @@ class Px4 final : public Autopilot {
 
   CommandResult SelectMode(const CommandRequest& request) {
     if (request.param1 < 1.0) return kResultUnsupported;
-    for (const ModeTraits& traits : kModes) {
-      const double main_mode = static_cast<double>(traits.custom_mode >> 16 & 0xff);
-      const double sub_mode = static_cast<double>(traits.custom_mode >> 24);
-      if (request.param2 == main_mode && request.param3 == sub_mode) return SelectMode(traits.custom_mode);
+    for (const FlightMode& mode : kModes) {
+      const double main_mode = static_cast<double>(mode.number >> 16 & 0xff);
+      const double sub_mode = static_cast<double>(mode.number >> 24);
+      if (request.param2 == main_mode && request.param3 == sub_mode) return SelectMode(mode.number);
     }
     return kResultUnsupported;
   }
@@ -191,53 +155,22 @@ class Px4 final : public Autopilot {
     return kResultAccepted;
   }
 
-  CommandResult ArmOrDisarm(const CommandRequest& request) {
-    const bool is_forced = request.param2 == static_cast<double>(kForceArmDisarm);
-    if (request.param1 == 0.0) {
-      if (!is_landed_ && !is_forced) {
-        Announce(kSeverityCritical, "Disarming denied: not landed");
-        return kResultDenied;
-      }
-      Disarm();
-      return kResultAccepted;
-    }
-    if (request.param1 != 1.0) return kResultUnsupported;
-    if (is_armed_) return kResultAccepted;
-    if (!HasPosition() && !is_forced) {
-      Announce(kSeverityCritical, "Arming denied: Resolve system health failures first");
-      return kResultTemporarilyRejected;
-    }
-    is_armed_ = true;
-    is_failsafe_ = false;
-    armed_s_ = idle_since_s_ = boot_s_;
-    SetHome(senses_.estimate.position_m);
-    Enter(mode_);
-    return kResultAccepted;
-  }
-
   CommandResult TakeOff(const CommandRequest& request) {
     if (!is_landed_ || !home_in_map_m_ || !frame_) return kResultTemporarilyRejected;
     const double home_amsl_m = frame_->GeodeticOf(*home_in_map_m_).altitude_amsl_m;
     const double rise_m = std::isfinite(request.z) ? request.z - home_amsl_m : parameters_["MIS_TAKEOFF_ALT"];
     Enter(kTakeoff);
-    hold_m_.z() = home_in_map_m_->z() + std::max(rise_m, 0.5);
+    target_m_.z() = home_in_map_m_->z() + std::max(rise_m, 0.5);
     return kResultAccepted;
   }
 
   // Modes.
 
-  void Enter(std::uint32_t mode) {
-    mode_ = mode;
-    hold_m_ = StoppingPoint();
-    yaw_rad_ = YawOf(senses_.estimate.map_from_body);
-    if (mode == kReturn && home_in_map_m_) {
+  void OnEnter() override {
+    if (mode_ == kReturn && home_in_map_m_) {
       has_climbed_ = false;
-      hold_m_.z() = std::max(hold_m_.z(), home_in_map_m_->z() + parameters_["RTL_RETURN_ALT"]);
+      target_m_.z() = std::max(target_m_.z(), home_in_map_m_->z() + parameters_["RTL_RETURN_ALT"]);
     }
-  }
-
-  void FlyTo(const Eigen::Vector3d& position_m) {
-    goal_ = {FlightGoal::Kind::kPosition, position_m, Eigen::Vector3d::Zero(), yaw_rad_};
   }
 
   bool WantsToLift() const {
@@ -249,37 +182,35 @@ class Px4 final : public Autopilot {
                                                         : wanted_.velocity_mps.z() > 0.1);
   }
 
-  void Fly() {
+  void Fly() override {
     if (is_landed_ && !WantsToLift()) {
       goal_.kind = FlightGoal::Kind::kIdle;
       return;
     }
-    const bool has_arrived = (senses_.estimate.position_m - hold_m_).norm() < kArrived_m;
+    const bool has_arrived = (senses_.estimate.position_m - target_m_).norm() < kArrived_m;
     switch (mode_) {
       case kOffboard:
         goal_ = wanted_;
         return;
       case kTakeoff:
-        FlyTo(hold_m_);
+        FlyTo(target_m_);
         if (has_arrived) Enter(kHold);
         return;
       case kReturn:
         if (has_arrived && has_climbed_) return Enter(kLand);
         if (has_arrived) {
           has_climbed_ = true;
-          hold_m_.head<2>() = home_in_map_m_->head<2>();
+          target_m_.head<2>() = home_in_map_m_->head<2>();
         }
-        return FlyTo(hold_m_);
+        return FlyTo(target_m_);
       case kLand:
-        FlyTo({hold_m_.x(), hold_m_.y(), control_.path_position_m().z()});
-        goal_.velocity_mps.z() = -parameters_["MPC_LAND_SPEED"];
-        return;
+        return Sink(parameters_["MPC_LAND_SPEED"]);
       default:
-        return FlyTo(hold_m_);
+        return FlyTo(target_m_);
     }
   }
 
-  void CheckLanded() {
+  void CheckLanded() override {
     if (!senses_.is_on_ground) {
       is_landed_ = false;
       idle_since_s_ = boot_s_;
@@ -292,13 +223,13 @@ class Px4 final : public Autopilot {
       Disarm();
   }
 
-  void Disarm() {
+  void Disarm() override {
     is_armed_ = false;
     is_failsafe_ = false;
     if (mode_ == kLand || mode_ == kReturn) Enter(kHold);
   }
 
-  void CheckFailsafes() {
+  void CheckFailsafes() override {
     if (mode_ == kOffboard && SecondsSince(setpoint_s_) > parameters_["COM_OF_LOSS_T"]) {
       FailSafe(kHold, "Failsafe activated: no offboard signal");
     }
@@ -317,16 +248,9 @@ class Px4 final : public Autopilot {
     Enter(mode);
   }
 
-  std::uint32_t mode_ = kHold;
   FlightGoal wanted_;
-  Eigen::Vector3d hold_m_ = Eigen::Vector3d::Zero();
-  double yaw_rad_ = 0.0;
-  double setpoint_s_ = 0.0;
   double previous_setpoint_s_ = -1.0;
-  double armed_s_ = 0.0;
-  double idle_since_s_ = 0.0;
   bool has_climbed_ = false;
-  bool is_failsafe_ = false;
 };
 
 }  // namespace
