@@ -40,9 +40,19 @@ FlightRecord ReadFlight(const ReportArguments& arguments) {
   return flight;
 }
 
+/// A mission that ended before its first usable picture has a report, too, which says so.
+FolderAnalysis AnalyzeWhatIsThere(const ReportArguments& arguments) {
+  Result<FolderAnalysis> all = AnalyzeFolder(arguments.folder, arguments.config);
+  const bool is_empty = !all.ok() && all.error().code == Error::Code::kNotFound && !arguments.mission.empty();
+  if (!is_empty) return Take(std::move(all));
+  FolderAnalysis none;
+  none.analysis.understanding.problems.push_back(all.error().message);
+  return none;
+}
+
 /// The report shows the pictures as they were taken, so they go along.
 void CopyInputs(const fs::path& from, const fs::path& to, const Survey& survey) {
-  if (fs::exists(to) && fs::equivalent(from, to)) return;
+  if (survey.captures.empty() || (fs::exists(to) && fs::equivalent(from, to))) return;
   std::vector<std::string> files = {"survey.json", survey.reference_file};
   for (const Capture& capture : survey.captures) files.push_back(capture.name);
   for (const std::string& file : files) {
@@ -53,7 +63,7 @@ void CopyInputs(const fs::path& from, const fs::path& to, const Survey& survey) 
 
 void RunReport(const ReportArguments& arguments) {
   FlightRecord flight = ReadFlight(arguments);
-  const auto [survey, analysis] = Take(AnalyzeFolder(arguments.folder, arguments.config));
+  const auto [survey, analysis] = AnalyzeWhatIsThere(arguments);
   flight.origin = survey.origin;
   const fs::path out = arguments.out.empty() ? arguments.folder : arguments.out;
   CopyInputs(arguments.folder, out, survey);

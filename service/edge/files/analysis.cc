@@ -37,8 +37,8 @@ Result<Analysis> Analyze(const Survey& survey, const Reference& reference,
     }
   }
   if (analysis.observations.empty()) {
-    return InvalidInput("no picture of the survey can be used: " +
-                        (problems.empty() ? "it has none" : problems.front()));
+    return Error{Error::Code::kNotFound, "no picture of the survey can be used: " +
+                                             (problems.empty() ? "it has none" : problems.front())};
   }
   analysis.understanding = Understand(analysis.observations, reference, survey.vehicle, 1, options);
   problems.insert(problems.end(), analysis.understanding.problems.begin(),

@@ -13,7 +13,8 @@ Status WriteOutputs(const std::filesystem::path& folder, const Analysis& analysi
   const auto& [observations, understanding] = analysis;
   Status status = WriteFile(folder / "scene.city.json", ToCityJson(understanding.scene));
   if (status.ok()) status = WriteGeoPackage(folder / "scene.gpkg", understanding, observations, flight);
-  if (status.ok()) status = WritePictures(folder, understanding, observations, flight);
+  if (status.ok() && !observations.empty())
+    status = WritePictures(folder, understanding, observations, flight);
   if (status.ok()) status = WriteResult(folder, understanding, observations, flight);
   return status;
 }

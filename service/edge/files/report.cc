@@ -183,8 +183,11 @@ Status WriteReport(const std::filesystem::path& folder, const Understanding& und
   }
   for (const std::string& problem : understanding.problems) html << "<p>" << Escape(problem) << "</p>\n";
 
-  html << "<div class=\"pair\">" << Figure("scene.png", "The enriched scene")
-       << Figure("top_view.png", "From above") << "</div>\n<h2>Decisions</h2>\n"
+  if (!observations.empty()) {
+    html << "<div class=\"pair\">" << Figure("scene.png", "The enriched scene")
+         << Figure("top_view.png", "From above") << "</div>\n";
+  }
+  html << "<h2>Decisions</h2>\n"
        << Decisions(understanding) << "<h2>Buildings</h2>\n"
        << Buildings(understanding.scene);
   if (!reference_file.empty())
@@ -204,6 +207,7 @@ Status WriteReport(const std::filesystem::path& folder, const Understanding& und
     html << "<h2>Ground truth of the simulator</h2>\n" << JsonTables(flight.truth);
   html << "<h2>For other programs</h2>\n<p>";
   for (const char* file : {"result.json", "scene.bt", "scene.city.json", "scene.gpkg", "summary.png"}) {
+    if (!std::filesystem::exists(folder / file)) continue;
     html << "<a href=\"" << file << "\">" << file << "</a> ";
   }
   html << "</p>\n</body></html>\n";

@@ -172,8 +172,9 @@ Status WriteResult(const fs::path& folder, const Understanding& understanding,
   for (const Solid& solid : understanding.scene.solids) {
     if (Status status = WriteFile(folder / MeshFile(solid), ToObj(solid)); !status.ok()) return status;
   }
-  if (Status status = WriteFile(folder / "scene.bt", ToBt(*understanding.scene.octree)); !status.ok())
-    return status;
+  if (const auto& octree = understanding.scene.octree) {
+    if (Status status = WriteFile(folder / "scene.bt", ToBt(*octree)); !status.ok()) return status;
+  }
   return WriteFile(folder / "result.json", ToJson(understanding, observations, flight).dump(1) + "\n");
 }
 

@@ -24,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string Read(const fs::path& file) {
   std::ostringstream text;
@@ -210,6 +211,20 @@ TEST_F(OutputsTest, WriteOutputsWritesAllFilesAndLeavesNoPartsBehind) {
                                                    "result.json", "scene.bt", "scene.city.json", "scene.gpkg",
                                                    "scene.png", "summary.png", "top_view.png"));
   EXPECT_FALSE(cv::imread((folder_ / "overlay/wall.jpg").string()).empty());
+}
+
+TEST_F(OutputsTest, AMissionWithoutAnyPictureHasAResultAndAReport) {
+  Understanding nothing;
+  nothing.problems = {"no picture arrived"};
+  FlightRecord flight;
+  flight.mission = {{"outcome", "failed"}, {"message", "the autopilot does not arm"}};
+  ASSERT_TRUE(WriteOutputs(folder_, {{}, nothing}, flight).ok());
+  ASSERT_TRUE(WriteReport(folder_, nothing, {}, flight, "").ok());
+  EXPECT_EQ(Result()["mission"]["outcome"], "failed");
+  const std::string html = Read(folder_ / "report.html");
+  EXPECT_THAT(html, HasSubstr("the autopilot does not arm"));
+  EXPECT_THAT(html, HasSubstr("no picture arrived"));
+  EXPECT_THAT(html, Not(HasSubstr("<img")));
 }
 
 TEST_F(OutputsTest, ReportShowsReasonsAsTextOnly) {
