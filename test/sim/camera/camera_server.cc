@@ -7,10 +7,10 @@
 #include <chrono>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 #include <thread>
 
+#include "test/sim/camera/http_port.h"
 #include "test/sim/world/noise.h"
 
 namespace soffit::sim {
@@ -94,12 +94,7 @@ struct CameraServer::Server {
 CameraServer::CameraServer(const World& world, const Renderer& renderer, CameraPath path,
                            const CameraServerOptions& options)
     : server_(std::make_unique<Server>(world, renderer, std::move(path), options)) {
-  constexpr char kHost[] = "127.0.0.1";
   httplib::Server& http = server_->http;
-  http.set_socket_options([](socket_t socket) {  // Its default lets two programs share a port unnoticed.
-    const int yes = 1;
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-  });
   http.new_task_queue = [] { return new httplib::ThreadPool(4); };  // Owned by the server.
   server_->Route("/forward.jpg", Mount::kForward);
   server_->Route("/down.jpg", Mount::kDown);
@@ -116,13 +111,7 @@ CameraServer::CameraServer(const World& world, const Renderer& renderer, CameraP
           Answer(response, 500, problem.what());
         }
       });
-  server_->port = options.port != 0 && http.bind_to_port(kHost, options.port) ? options.port
-                  : options.port == 0                                         ? http.bind_to_any_port(kHost)
-                                                                              : -1;
-  if (server_->port <= 0) {
-    throw std::runtime_error("camera server: port " + std::to_string(options.port) + " of " + kHost +
-                             " cannot be had; another program may use it (0 takes any free one)");
-  }
+  server_->port = BindAlone(http, options.port);
   server_->listener = std::jthread([&http] { http.listen_after_bind(); });
   while (!http.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // stop() needs it.
 }

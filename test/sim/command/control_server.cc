@@ -3,9 +3,10 @@
 #include <httplib.h>
 
 #include <chrono>
-#include <stdexcept>
 #include <thread>
 #include <utility>
+
+#include "test/sim/camera/http_port.h"
 
 namespace soffit::sim {
 
@@ -27,12 +28,7 @@ ControlServer::ControlServer(int port, Disturb disturb, Describe describe)
                     [describe = std::move(describe)](const httplib::Request&, httplib::Response& response) {
                       response.set_content(describe() + "\n", "application/json");
                     });
-  server_->port = port;
-  if (port == 0) {
-    server_->port = server_->http.bind_to_any_port("127.0.0.1");
-  } else if (!server_->http.bind_to_port("127.0.0.1", port)) {
-    throw std::runtime_error("control port " + std::to_string(port) + " is in use");
-  }
+  server_->port = BindAlone(server_->http, port);
   server_->thread = std::thread([server = server_.get()] { server->http.listen_after_bind(); });
   while (!server_->http.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "test/sim/camera/http_port.h"
 #include "vehicle_agent/mavlink/codec.h"
 #include "vehicle_agent/mavlink/constants.h"
 #include "vehicle_agent/mavlink/link.h"
@@ -147,6 +148,17 @@ TEST_F(RunTest, SaysWhatIsWrongAndEnds) {
   EXPECT_EQ(Start({"--mavlink", "pigeon:127.0.0.1:1"}), "");
   EXPECT_EQ(Stop(0), 1);
   EXPECT_THAT(Read("log"), HasSubstr("pigeon"));
+  httplib::Server other;
+  const std::string taken = std::to_string(BindAlone(other, 0));
+  for (const char* port : {"--camera-port", "--control-port"}) {
+    EXPECT_EQ(Start({"--mavlink", MavlinkUrl(), port, taken}), "");
+    EXPECT_EQ(Stop(0), 1);
+    EXPECT_THAT(Read("log"), HasSubstr(taken));
+  }
+  EXPECT_EQ(Start({"--autopilot", "none", "--mavlink", "tcp:127.0.0.1:9", "--mavlink", "tcp:127.0.0.1:10"}),
+            "");
+  EXPECT_EQ(Stop(0), 1);
+  EXPECT_THAT(Read("log"), HasSubstr("one --mavlink link"));
   std::ofstream(folder_ / "world.yaml") << "buildings: [{id: 5, wings: 2}]\n";
   EXPECT_EQ(Start({"--mavlink", MavlinkUrl()}), "");
   EXPECT_EQ(Stop(0), 1);
