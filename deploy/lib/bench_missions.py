@@ -1,6 +1,7 @@
 """Flies missions over random worlds and prints a table: how many ended as the ground truth demands, and how the others
 failed. Usage: bench_missions.py [--worlds 50] [--first-seed 1] [--jobs 2] [--out DIR]"""
 import argparse
+import os
 import shutil
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -41,9 +42,12 @@ def main():
     print(f"{'seed':>5} {'':4} {'expected':10} {'ended':18} {'contacts':>8} {'least m':>7} {'time s':>6}  why", flush=True)
     outcomes = []
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        for seed, outcome in zip(seeds, pool.map(lambda s: fly(s, arguments.out.resolve(), arguments.bin), seeds)):
-            print(row(seed, outcome), flush=True)
-            outcomes.append(outcome)
+        try:
+            for seed, outcome in zip(seeds, pool.map(lambda s: fly(s, arguments.out.resolve(), arguments.bin), seeds)):
+                print(row(seed, outcome), flush=True)
+                outcomes.append(outcome)
+        except KeyboardInterrupt:
+            os._exit(130)  # The programs of the missions under way end with this one.
     right, contacts = sum(o.ok for o in outcomes), sum(o.contacts > 0 for o in outcomes)
     wrong_flights = sum("not passable" in o.why for o in outcomes)
     print(f"\n{right} of {len(outcomes)} as the truth demands; with contact: {contacts}; "

@@ -2,6 +2,7 @@
 import argparse
 import json
 import shutil
+import signal
 import sys
 from pathlib import Path
 
@@ -29,7 +30,10 @@ def parse_arguments():
                              "of a SITL on TCP it is known")
     parser.add_argument("--cold-start", action="store_true", help="the simulated autopilot takes 41 s to get ready")
     parser.add_argument("--timeout", type=float, default=900.0, metavar="S", help="give up after this time")
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    if arguments.autopilot not in ("ardupilot", "px4") and ":" not in arguments.autopilot:
+        parser.error(f"--autopilot {arguments.autopilot}: neither ardupilot, px4 nor a link such as tcp:127.0.0.1:5760")
+    return arguments
 
 
 def choose_world(arguments, options, out):
@@ -87,6 +91,8 @@ def main():
 
 
 if __name__ == "__main__":
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda number, _: sys.exit(128 + number))  # On its way out it ends what it started.
     try:
         sys.exit(main())
     except MissionError as error:

@@ -95,6 +95,12 @@ def dds_domain():
     raise MissionError("no free DDS domain from 20 to 199: are other missions running?")
 
 
+def spawn(command, **streams):
+    """A program that ends with the thread that starts it, even when that is killed; Ctrl-C does not reach it."""
+    return subprocess.Popen(["setpriv", "--pdeathsig", "TERM", *map(str, command)], stdin=subprocess.DEVNULL,
+                            start_new_session=True, **streams)
+
+
 class Process:
     """A program with its log; ended by its process id."""
 
@@ -102,7 +108,7 @@ class Process:
         self.name, self.log = name, Path(log)
         self.peak_mib = 0.0
         with open(log, "w") as output:
-            self.child = subprocess.Popen([str(c) for c in command], stdout=output, stderr=output, stdin=subprocess.DEVNULL)
+            self.child = spawn(command, stdout=output, stderr=output)
 
     def read_json_line(self, timeout_s):
         """The line of JSON that the program prints when it is ready."""
@@ -236,7 +242,7 @@ class Mission:
             self.follow(command, log)
 
     def follow(self, command, log):
-        client = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        client = spawn(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         os.set_blocking(client.stdout.fileno(), False)
         until = time.monotonic() + self.options.timeout_s
         try:
