@@ -12,9 +12,11 @@ void MapFrame::SetLocalOrigin(const GeodeticOrigin& origin) {
 }
 
 void MapFrame::SetHome(const GeodeticOrigin& home) {
-  if (origin_) return;
-  origin_ = home;
-  Update();
+  if (!origin_) {
+    origin_ = home;
+    Update();
+  }
+  home_height_m_ = home.altitude_amsl_m - origin_->altitude_amsl_m;
 }
 
 void MapFrame::Update() {

@@ -210,6 +210,20 @@ TEST(AutopilotClient, DoesNotMoveTheMapWhenHomeIsSetAnew) {
   EXPECT_LT(talk.Report().position_in_map_m.norm(), 0.02);
 }
 
+TEST(AutopilotClient, CountsTheTakeoffsHeightFromTheHomeThatTheAutopilotHasNow) {
+  Talk talk;
+  talk.Run(4.0);
+  mavlink::HomePosition home;  // ArduPilot sets it anew when it arms; its barometer has drifted meanwhile.
+  home.latitude = talk.autopilot.home_latitude_e7;
+  home.altitude = static_cast<std::int32_t>(talk.Report().origin->altitude_amsl_m * 1e3) + 500;
+  mavlink::Encoder encoder(1, mavlink::kComponentAutopilot);
+  mavlink::FrameParser parser;
+  for (const auto& frame : parser.Feed(encoder.Encode(home))) talk.client.Receive(frame, talk.now);
+  talk.TakeOff(9.0);
+  ASSERT_EQ(talk.autopilot.commands.back().command, mavlink::kCmdNavTakeoff);
+  EXPECT_NEAR(talk.autopilot.commands.back().param7, 8.5, 1e-3);
+}
+
 TEST(AutopilotClient, LandsAndLeavesTheLandModeSoThatItCanArmAgain) {
   Talk talk;
   talk.Run(4.0);
