@@ -15,12 +15,9 @@ namespace soffit {
 template <class T>
 class TimeSeries {
  public:
-  /// A value that is not newer than the last one starts the series anew: the clock was set back.
+  /// A value takes the place of those that are not older: the clock was set back.
   void Add(std::int64_t utc_ns, const T& value) {
-    if (!values_.empty() && utc_ns <= values_.back().first) {
-      if (utc_ns == values_.back().first) return;
-      values_.clear();
-    }
+    while (!values_.empty() && values_.back().first >= utc_ns) values_.pop_back();
     values_.emplace_back(utc_ns, value);
     while (values_.front().first < utc_ns - kKept_ns) values_.pop_front();
   }

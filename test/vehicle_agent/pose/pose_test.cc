@@ -64,6 +64,17 @@ TEST(PoseBuffer, BeginsAnewWhenTheClockIsSetBack) {
   EXPECT_EQ(buffer.FindBody(150 * kMs)->translation_m.x(), 1.0);
 }
 
+TEST(PoseBuffer, KeepsWhatIsOlderWhenTheClockIsSetBackALittle) {
+  PoseBuffer buffer;
+  for (const std::int64_t t : {100, 200, 300, 400, 250, 350}) {
+    buffer.AddPosition(t * kMs, {1e-3 * static_cast<double>(t), 0.0, 0.0});
+    buffer.AddAttitude(t * kMs, Turn(0.0));
+  }
+  ASSERT_TRUE(buffer.FindBody(150 * kMs).has_value());
+  EXPECT_NEAR(buffer.FindBody(150 * kMs)->translation_m.x(), 0.15, 1e-9);
+  EXPECT_EQ(buffer.newest_utc_ns(), 350 * kMs);
+}
+
 TEST(ClockOffset, IsUnknownAtFirst) {
   EXPECT_FALSE(ClockOffset().ToUtc(5).has_value());
   EXPECT_FALSE(ClockOffset().Uncertainty_ns().has_value());
