@@ -68,7 +68,7 @@ int Run(const Arguments& arguments) {
   }
   spdlog::info("soffitd is ready: radio domain {}, local domain {}, data in {}",
                options.value().radio.domain_id, options.value().local.domain_id, options.value().data_folder);
-  std::jthread waiter([&](std::stop_token stop) {
+  std::jthread waiter([&](const std::stop_token& stop) {
     const timespec slice{0, 200'000'000};
     while (!stop.stop_requested()) {
       if (sigtimedwait(&signals, nullptr, &slice) > 0) return service.value()->Stop();

@@ -76,7 +76,7 @@ std::string FindPathProblem(const FlightCommand& command, const GuardContext& co
     }
     const int steps = 1 + static_cast<int>(leg_m / kFenceStep_m);
     for (int i = 1; i <= steps; ++i) {
-      const std::string problem = FindFenceProblem(from + (to - from) * i / steps, options);
+      std::string problem = FindFenceProblem(from + (to - from) * i / steps, options);
       if (!problem.empty() && (was_inside || i == steps)) return problem;
       was_inside = problem.empty();
     }

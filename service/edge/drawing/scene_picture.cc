@@ -221,8 +221,9 @@ class ScenePicture {
   /// A solid's surface passes through the voxel or close by, or all of the voxel lies inside.
   bool IsInSolid(const Eigen::Vector3d& center, double edge_m) const {
     for (int i = 0; i < 27; ++i) {
-      const Eigen::Vector3d direction(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-      if (i != 13 && solids_.IsBlocked(center, direction.normalized(), 1.1 * edge_m)) return true;
+      const Eigen::Vector3i direction(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+      const Eigen::Vector3d towards = direction.cast<double>().normalized();
+      if (i != 13 && solids_.IsBlocked(center, towards, 1.1 * edge_m)) return true;
     }
     return IsInsideSolids(center);
   }
@@ -322,7 +323,9 @@ class ScenePicture {
   cv::Vec3b RenderPixel(int x, int y) const {
     cv::Vec3f sum(0.0F, 0.0F, 0.0F);
     for (int i = 0; i < kGrid * kGrid; ++i) {
-      const Eigen::Vector2d pixel(x + (i % kGrid + 0.5) / kGrid - 0.5, y + (i / kGrid + 0.5) / kGrid - 0.5);
+      const int column = i % kGrid;
+      const int row = i / kGrid;
+      const Eigen::Vector2d pixel(x + (column + 0.5) / kGrid - 0.5, y + (row + 0.5) / kGrid - 0.5);
       sum += Shade(view_.map_from_camera.translation_m, RayDirection(view_, pixel),
                    {i, 2.0 * std::numbers::pi * NoiseOf(x, y)});
     }

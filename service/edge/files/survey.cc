@@ -72,7 +72,7 @@ struct Node {
 
   /// A file below the survey's folder.
   std::string FileName() const {
-    const std::string name = Text();
+    std::string name = Text();
     const fs::path path(name);
     const bool climbs =
         std::any_of(path.begin(), path.end(), [](const fs::path& part) { return part == ".."; });
