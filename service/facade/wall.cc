@@ -28,8 +28,8 @@ double MeetSegment(const Eigen::Vector2d& origin, const Eigen::Vector2d& directi
 Wall WallOf(const Ring& outer, int side) {
   SOFFIT_EXPECT(side >= 0 && side < static_cast<int>(outer.size()));
   const std::size_t first = static_cast<std::size_t>(side);
-  const Eigen::Vector2d a = outer[first];
-  const Eigen::Vector2d b = outer[(first + 1) % outer.size()];
+  const Eigen::Vector2d& a = outer[first];
+  const Eigen::Vector2d& b = outer[(first + 1) % outer.size()];
   SOFFIT_EXPECT((b - a).norm() > 0.0);
   Wall wall;
   wall.first_corner_m = a;

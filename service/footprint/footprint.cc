@@ -193,7 +193,7 @@ enum class Relation {
   kPartOfSeen,   ///< The other way round.
 };
 
-Footprint Join(Footprint footprint, const std::vector<Silhouette>& silhouettes) {
+Footprint Join(const Footprint& footprint, const std::vector<Silhouette>& silhouettes) {
   Footprint together = footprint;
   together.silhouettes.insert(together.silhouettes.end(), silhouettes.begin(), silhouettes.end());
   return Understand(together, kMaxHeight_m) ? together : footprint;

@@ -202,7 +202,9 @@ double ShareSeen(const Silhouette& silhouette, const Ring& region, double height
   int inside = 0;
   int seen = 0;
   for (int cell = 0; cell < kCells * kCells; ++cell) {
-    const Vector2d share((cell % kCells + 0.5) / kCells, (cell / kCells + 0.5) / kCells);
+    const int column = cell % kCells;
+    const int row = cell / kCells;
+    const Vector2d share((column + 0.5) / kCells, (row + 0.5) / kCells);
     const Vector2d p = low + (high - low).cwiseProduct(share);
     if (!Contains(region, p)) continue;
     ++inside;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "service/outline/ring_fit.h"
+#include "shared/result/result.h"
 
 namespace soffit {
 namespace {
@@ -68,6 +69,7 @@ WordAlignment AlignFrom(const Word& a, const Merged& merged_a, const Word& b, co
                         std::size_t start, std::vector<Cell>& cells) {
   const std::size_t n = a.size();
   const std::size_t m = b.size();
+  SOFFIT_EXPECT(start < m);
   cells.assign((n + 1) * (m + 1), Cell{});
   const auto cell = [&](std::size_t i, std::size_t j) -> Cell& { return cells[i * (m + 1) + j]; };
   cell(0, 0).cost = 0.0;

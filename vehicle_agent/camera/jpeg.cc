@@ -79,8 +79,8 @@ std::optional<std::int64_t> ParseDateTime_s(const std::string& text) {
   const year_month_day date{std::chrono::year(year), std::chrono::month(month), std::chrono::day(day)};
   const bool is_time = hour >= 0 && hour < 24 && minute >= 0 && minute < 60 && second >= 0 && second < 61;
   if (!date.ok() || !is_time || year < 1970 || year > 2200) return std::nullopt;
-  const auto days = sys_days(date).time_since_epoch();
-  return duration_cast<seconds>(days).count() + hour * 3600 + minute * 60 + second;
+  const seconds time = hours(hour) + minutes(minute) + seconds(second);
+  return (sys_days(date).time_since_epoch() + time).count();
 }
 
 }  // namespace

@@ -134,7 +134,7 @@ Space::Nearest Space::DistanceToBodies(const Cylinder& cylinder, double limit_m)
 }
 
 Space::Nearest Space::DistanceTo(const Cylinder& cylinder, double limit_m) const {
-  const Nearest nearest = DistanceToBodies(cylinder, limit_m);
+  Nearest nearest = DistanceToBodies(cylinder, limit_m);
   const double ground_m = std::max(0.0, cylinder.center_m.z() - 0.5 * cylinder.height_m);
   if (ground_m < nearest.distance_m) return {ground_m, "ground"};
   return nearest;

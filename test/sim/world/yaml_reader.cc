@@ -7,7 +7,7 @@
 
 namespace soffit::sim {
 
-YamlReader::YamlReader(YAML::Node node, std::string path) : node_(std::move(node)), path_(std::move(path)) {}
+YamlReader::YamlReader(const YAML::Node& node, std::string path) : node_(node), path_(std::move(path)) {}
 
 void YamlReader::Refuse(const std::string& why) const {
   std::ostringstream text;

@@ -24,7 +24,7 @@ struct Bounds {
 /// One node of a YAML file that knows where it stands. Everything throws YamlProblem.
 class YamlReader {
  public:
-  YamlReader(YAML::Node node, std::string path);
+  YamlReader(const YAML::Node& node, std::string path);
 
   void AllowKeys(
       std::initializer_list<const char*> keys) const;  ///< A mapping with no other keys than these.
