@@ -14,6 +14,7 @@ namespace {
 using namespace mavlink;
 
 constexpr double kAskModeEvery_s = 1.0;
+constexpr double kModeLag_s = 2.0;  // Heartbeats come once a second.
 constexpr double kAskArmEvery_s = 2.0;
 constexpr double kAskTakeoffEvery_s = 5.0;
 constexpr double kAskStreamEvery_s = 2.0;
@@ -467,6 +468,7 @@ void AutopilotClient::PursueTakeOff(const Intent& intent, Instant now) {
     arm.param1 = 1.0F;
     return SendCommand(arm, kAskArmEvery_s, now);
   }
+  has_asked_to_land_ = false;
   if (is_px4 || landed_state_ >= kLandedInAir) return;
   CommandLong takeoff;
   takeoff.command = kCmdNavTakeoff;
@@ -478,7 +480,16 @@ void AutopilotClient::PursueTakeOff(const Intent& intent, Instant now) {
 }
 
 void AutopilotClient::PursueFlyTo(const Intent& intent, Instant now) {
-  if (!IsCommandMode(dialect_, heartbeat_.custom_mode)) return;
+  if (IsCommandMode(dialect_, heartbeat_.custom_mode)) {
+    // A heartbeat may still tell the mode from before a landing was asked for.
+    if (SecondsBetween(pursued_since_, now) > kModeLag_s) has_asked_to_land_ = false;
+  } else if (has_asked_to_land_ && IsLandMode(dialect_, heartbeat_.custom_mode) &&
+             heartbeat_.system_status < kStateCritical) {
+    SendCommand(MakeEnterCommandMode(dialect_), kAskModeEvery_s, now);  // Our own landing is broken off.
+    if (dialect_ != Dialect::kPx4) return;
+  } else {
+    return;
+  }
   SendSetpoint(intent.position_in_map_m, intent.yaw_rad, now);
 }
 

@@ -241,6 +241,48 @@ TEST(AutopilotClient, LandsAndLeavesTheLandModeSoThatItCanArmAgain) {
   EXPECT_NEAR(talk.Report().position_in_map_m.z(), 3.0, 0.3);
 }
 
+TEST(AutopilotClient, BreaksItsOwnLandingOff) {
+  for (const auto make : {mavlink::kAutopilotArduPilot, mavlink::kAutopilotPx4}) {
+    Talk talk(make);
+    talk.Run(4.0);
+    talk.TakeOff(8.0);
+    talk.intent.kind = Intent::Kind::kFlyTo;
+    talk.Run(1.0);
+    talk.intent.kind = Intent::Kind::kLand;
+    talk.Run(2.0);
+    talk.FlyTo({0.0, 0.0, 6.0}, 0.0);
+    EXPECT_TRUE(talk.Report().mode == "GUIDED" || talk.Report().mode == "OFFBOARD") << talk.Report().mode;
+    EXPECT_TRUE(talk.Report().is_armed);
+    EXPECT_NEAR(talk.Report().position_in_map_m.z(), 6.0, 0.3);
+  }
+}
+
+TEST(AutopilotClient, DoesNotBreakAFailsafesLandingOff) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(8.0);
+  talk.intent.kind = Intent::Kind::kLand;
+  talk.Run(2.0);
+  talk.autopilot.system_status = mavlink::kStateCritical;
+  talk.Run(1.5);
+  talk.FlyTo({0.0, 0.0, 6.0}, 0.0);
+  EXPECT_FALSE(talk.Report().is_armed);
+}
+
+TEST(AutopilotClient, DoesNotTakeALandingInTheNextFlightForItsOwn) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(3.0);
+  talk.intent.kind = Intent::Kind::kLand;
+  talk.Run(8.0);
+  EXPECT_FALSE(talk.Report().is_armed);
+  talk.TakeOff(3.0);  // At once, without any rest on the ground.
+  talk.autopilot.mode = mavlink::kCopterLand;
+  talk.intent.kind = Intent::Kind::kFlyTo;
+  talk.Run(1.5);
+  EXPECT_FALSE(talk.Report().is_in_our_mode);
+}
+
 TEST(AutopilotClient, SeesThatAnotherLandingIsNotItsOwn) {
   Talk talk;
   talk.Run(4.0);
