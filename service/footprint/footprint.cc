@@ -3,19 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
-#include "service/footprint/lean.h"
+#include "service/footprint/carve.h"
+#include "service/footprint/prism_fit.h"
 #include "shared/result/result.h"
 
 namespace soffit {
 namespace {
 
 using Eigen::Vector2d;
-using lean::Estimate;
 
 constexpr double kSameBuildingShare = 0.6;    ///< Of a silhouette, that the building explains.
 constexpr double kExplainedShare = 0.8;       ///< Of what was seen, when nothing else stands there.
 constexpr double kMiddlingHeightRatio = 0.3;  ///< Of the lowest camera's height.
 constexpr double kMaxHeight_m = 120.0;
+constexpr double kHighestRatio = 0.9;  ///< Of the lowest camera's height: no building reaches nearer to it.
+constexpr double kLeastExplainedRatio = 0.75;
+constexpr double kLeastSureRatio = 0.5;  ///< Of the height: with a larger standard deviation it is not known.
 
 double CameraHeight(const Silhouette& s) { return s.view.map_from_camera.translation_m.z(); }
 
@@ -24,7 +27,7 @@ double ExpectedError_m(const Silhouette& s) {
   const auto middle = MeetHorizontalPlane(s.view, Centroid(s.outline.polygon_px), 0.0);
   if (!middle) return 1e9;
   const double slant = (*middle - s.view.map_from_camera.translation_m.head<2>()).norm() / CameraHeight(s);
-  return lean::GroundSampling_m(s) * (1.0 + 6.0 * slant) +
+  return GroundSampling_m(s) * (1.0 + 6.0 * slant) +
          0.2 * std::hypot(s.view.position_std_m, CameraHeight(s) * s.view.orientation_std_rad);
 }
 
@@ -37,67 +40,124 @@ const Silhouette& BestSilhouette(const std::vector<Silhouette>& silhouettes) {
                            });
 }
 
-/// With noisy poses every picture shows the building somewhere else: their weighted mean.
-Vector2d MeanShift(const std::vector<Silhouette>& silhouettes, const Polygon& polygon, double height_m) {
-  Vector2d sum = Vector2d::Zero();
-  double weights = 0.0;
-  for (const Silhouette& s : silhouettes) {
-    const double std_m = std::hypot(s.view.position_std_m, CameraHeight(s) * s.view.orientation_std_rad);
-    if (std_m <= 0.0) return Vector2d::Zero();
-    const Polygon other = s.outline.is_cut ? Polygon{} : lean::Straighten(s, height_m);
-    if (other.outer.empty()) continue;
-    sum += (Centroid(other) - Centroid(polygon)) / (std_m * std_m);
-    weights += 1.0 / (std_m * std_m);
-  }
-  return weights > 0.0 ? Vector2d(sum / weights) : Vector2d::Zero();
+/// Of what is drawn from the silhouette alone.
+double PoseStd_m(const Silhouette& s) {
+  return std::hypot(s.view.position_std_m, CameraHeight(s) * s.view.orientation_std_rad);
 }
 
-void Shift(Polygon& polygon, const Vector2d& by) {
-  for (Vector2d& p : polygon.outer) p += by;
-  for (Ring& hole : polygon.holes) {
-    for (Vector2d& p : hole) p += by;
-  }
-}
-
-/// Draws polygon and standard deviations from the silhouettes, for the height that is set. False when none
-/// can be.
-bool Draw(Footprint& footprint) {
+/// Draws the footprint as the best silhouette lies on the ground.
+bool DrawOnGround(Footprint& footprint) {
   const Silhouette& best = BestSilhouette(footprint.silhouettes);
-  footprint.is_cut = best.outline.is_cut;
-  footprint.polygon_in_map_m = lean::Straighten(best, footprint.height_m);
-  if (footprint.polygon_in_map_m.outer.empty()) return false;
-  Shift(footprint.polygon_in_map_m,
-        MeanShift(footprint.silhouettes, footprint.polygon_in_map_m, footprint.height_m));
-  const double pixel_m = lean::GroundSampling_m(best);
-  const double pose_m =
-      std::hypot(best.view.position_std_m, CameraHeight(best) * best.view.orientation_std_rad);
-  const Vector2d nadir = best.view.map_from_camera.translation_m.head<2>();
-  footprint.corner_std_m.clear();
-  for (const Vector2d& corner : footprint.polygon_in_map_m.outer) {
-    const double from_height_m = footprint.height_std_m * (corner - nadir).norm() / CameraHeight(best);
-    footprint.corner_std_m.push_back(std::hypot(0.5 * pixel_m, std::hypot(pose_m, from_height_m)));
+  footprint.height_m = footprint.height_std_m = 0.0;
+  footprint.polygon_in_map_m = ProjectOutline(best, 0.0);
+  footprint.corner_std_m.assign(footprint.polygon_in_map_m.outer.size(),
+                                std::hypot(0.5 * GroundSampling_m(best), PoseStd_m(best)));
+  return !footprint.polygon_in_map_m.outer.empty();
+}
+
+/// Footprints that a building of this height may have.
+std::vector<Polygon> FindStarts(const std::vector<Silhouette>& silhouettes, double height_m) {
+  constexpr std::size_t kMost = 2;
+  std::vector<const Silhouette*> whole;
+  for (const Silhouette& s : silhouettes) {
+    if (!s.outline.is_cut) whole.push_back(&s);
   }
-  footprint.captures.clear();
-  for (const Silhouette& s : footprint.silhouettes) footprint.captures.push_back(s.capture_id);
-  return true;
+  std::stable_sort(whole.begin(), whole.end(), [](const Silhouette* a, const Silhouette* b) {
+    return ExpectedError_m(*a) < ExpectedError_m(*b);
+  });
+  std::vector<Polygon> starts;
+  for (const Silhouette* s : whole) {
+    if (starts.size() == kMost) break;
+    Polygon start = Carve(*s, height_m);
+    if (start.outer.empty()) continue;
+    start.outer = CloseOpenings(std::move(start.outer), *s, silhouettes, height_m);
+    starts.push_back(std::move(start));
+  }
+  return starts;
+}
+
+bool IsBetter(const PrismFit& a, const PrismFit& b) { return a.cost < b.cost; }
+
+/// The building of about this height that fits best.
+PrismFit FitAt(const std::vector<Silhouette>& silhouettes, const HeightPrior& prior) {
+  PrismFit best;
+  for (const Polygon& start : FindStarts(silhouettes, prior.value_m)) {
+    best = std::min(best, FitPrism(silhouettes, start, prior), IsBetter);
+  }
+  return best;
+}
+
+/// Heights at which the building is looked for.
+std::vector<double> FindHeights(const std::vector<Silhouette>& silhouettes, double ceiling_m) {
+  constexpr double kLowestRatio = 0.04;
+  constexpr double kFactor = 1.3;
+  std::vector<double> heights;
+  for (const Silhouette& s : silhouettes) {
+    if (s.outline.is_cut) continue;
+    for (const double height_m : HeightsOfUprightSides(s)) {
+      if (height_m < ceiling_m) heights.push_back(height_m);
+    }
+  }
+  if (silhouettes.size() > 1) {
+    for (double h = kLowestRatio * ceiling_m; h < ceiling_m; h *= kFactor) heights.push_back(h);
+  }
+  return heights;
+}
+
+/// The prism that all silhouettes show, if they tell its height.
+std::optional<PrismFit> FitToAll(const std::vector<Silhouette>& silhouettes, double max_height_m) {
+  constexpr std::size_t kMostThorough = 3;
+  double ceiling_m = max_height_m;
+  for (const Silhouette& s : silhouettes) ceiling_m = std::min(ceiling_m, kHighestRatio * CameraHeight(s));
+  struct Candidate {
+    Polygon start;
+    double height_m;
+    double cost;
+  };
+  std::vector<Candidate> candidates;
+  for (const double height_m : FindHeights(silhouettes, ceiling_m)) {
+    for (Polygon& start : FindStarts(silhouettes, height_m)) {
+      const double cost = FitRoughly(silhouettes, start, {height_m}).cost;
+      candidates.push_back({std::move(start), height_m, cost});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+  if (candidates.size() > kMostThorough) candidates.resize(kMostThorough);
+  PrismFit best;
+  for (const Candidate& c : candidates)
+    best = std::min(best, FitPrism(silhouettes, c.start, {c.height_m}), IsBetter);
+  // A single picture may have sides that only happen to look upright.
+  if (silhouettes.size() == 1 && best.explained_ratio < kLeastExplainedRatio) return std::nullopt;
+  if (best.polygon.outer.empty() || best.height_std_m > kLeastSureRatio * best.height_m ||
+      best.height_m >= ceiling_m) {
+    return std::nullopt;
+  }
+  return best;
+}
+
+void Apply(const PrismFit& fit, Footprint& footprint) {
+  footprint.polygon_in_map_m = fit.polygon;
+  footprint.corner_std_m = fit.corner_std_m;
+  footprint.height_m = fit.height_m;
+  footprint.height_std_m = fit.height_std_m;
 }
 
 /// Height, polygon and standard deviations from all silhouettes.
 bool Understand(Footprint& footprint, double max_height_m) {
-  std::vector<Estimate> corners;
-  for (const Silhouette& s : footprint.silhouettes) {
-    if (s.outline.is_cut) continue;
-    if (const auto estimate = lean::HeightFromCorners(s, max_height_m)) corners.push_back(*estimate);
-  }
-  const std::optional<Estimate> height =
-      footprint.silhouettes.size() == 1 && !corners.empty()
-          ? std::optional(corners.front())
-          : lean::HeightFromParallax(footprint.silhouettes, corners, max_height_m);
-  footprint.height_m = height ? height->value : 0.0;
-  footprint.height_std_m = height ? height->std : 0.0;
-  if (Draw(footprint)) return true;
-  footprint.height_m = footprint.height_std_m = 0.0;
-  return Draw(footprint);
+  footprint.is_cut = BestSilhouette(footprint.silhouettes).outline.is_cut;
+  footprint.captures.clear();
+  for (const Silhouette& s : footprint.silhouettes) footprint.captures.push_back(s.capture_id);
+  const std::optional<PrismFit> fit = FitToAll(footprint.silhouettes, max_height_m);
+  if (!fit) return DrawOnGround(footprint);
+  Apply(*fit, footprint);
+  return true;
+}
+
+/// One silhouette alone, drawn for a height: good enough to tell buildings apart.
+Polygon DrawAlone(const Silhouette& s, double height_m) {
+  const Polygon carved = height_m > 0.0 ? Carve(s, height_m) : Polygon{};
+  return carved.outer.empty() ? ProjectOutline(s, height_m) : carved;
 }
 
 /// Points all over the bounding box of a polygon.
@@ -123,7 +183,7 @@ Vector2d ShiftOfPose(const Silhouette& silhouette, const Polygon& polygon, doubl
   const double reach_m = 3.0 * std::hypot(silhouette.view.position_std_m,
                                           CameraHeight(silhouette) * silhouette.view.orientation_std_rad);
   if (reach_m <= 0.0 || silhouette.outline.is_cut) return Vector2d::Zero();
-  const Vector2d shift = Centroid(polygon) - Centroid(lean::Straighten(silhouette, height_m));
+  const Vector2d shift = Centroid(polygon) - Centroid(DrawAlone(silhouette, height_m));
   return shift * std::min(1.0, reach_m / std::max(1e-12, shift.norm()));
 }
 
@@ -132,7 +192,7 @@ Vector2d ShiftOfPose(const Silhouette& silhouette, const Polygon& polygon, doubl
 /// it.
 double ShareExplained(const Silhouette& silhouette, const Polygon& polygon, double height_m) {
   constexpr int kLevels = 8;
-  const Polygon shadow = lean::Straighten(silhouette, 0.0);
+  const Polygon shadow = DrawAlone(silhouette, 0.0);
   const Vector2d nadir = silhouette.view.map_from_camera.translation_m.head<2>();
   const double shrink = (CameraHeight(silhouette) - height_m) / CameraHeight(silhouette);
   const Vector2d shift = ShiftOfPose(silhouette, polygon, height_m);
@@ -172,10 +232,10 @@ bool Explains(const Footprint& building, const Footprint& other) {
   double height_m = building.height_m > 0.0 ? building.height_m : other.height_m;
   if (!(height_m > 0.0 && height_m < 0.9 * ceiling_m)) height_m = kMiddlingHeightRatio * ceiling_m;
   const auto at_height = [&](const Footprint& f) {
-    return f.height_m > 0.0 ? f.polygon_in_map_m : lean::Straighten(BestSilhouette(f.silhouettes), height_m);
+    return f.height_m > 0.0 ? f.polygon_in_map_m : DrawAlone(BestSilhouette(f.silhouettes), height_m);
   };
   if (building.is_cut && !other.is_cut) {  // Whatever stands in it, its silhouette covers the foot of it.
-    return ShareInside(at_height(other), lean::Straighten(BestSilhouette(building.silhouettes), 0.0)) >=
+    return ShareInside(at_height(other), DrawAlone(BestSilhouette(building.silhouettes), 0.0)) >=
            kExplainedShare;
   }
   const Polygon polygon = at_height(building);
@@ -314,10 +374,27 @@ Footprint WithHeight(const Footprint& footprint, double height_m, double height_
   SOFFIT_EXPECT(height_m > 0.0 && height_std_m >= 0.0);
   SOFFIT_EXPECT(!footprint.silhouettes.empty());
   for (const Silhouette& s : footprint.silhouettes) SOFFIT_EXPECT(height_m < CameraHeight(s));
+  const HeightPrior prior{height_m, 0.0};
+  PrismFit fit = FitAt(footprint.silhouettes, prior);
+  if (footprint.height_m > 0.0) {
+    fit = std::min(fit, FitPrism(footprint.silhouettes, footprint.polygon_in_map_m, prior), IsBetter);
+  }
   Footprint result = footprint;
+  if (fit.polygon.outer.empty()) {
+    result.polygon_in_map_m = DrawAlone(BestSilhouette(footprint.silhouettes), height_m);
+    result.corner_std_m.clear();
+  } else {
+    Apply(fit, result);
+  }
   result.height_m = height_m;
   result.height_std_m = height_std_m;
-  SOFFIT_EXPECT(Draw(result));
+  const Silhouette& best = BestSilhouette(footprint.silhouettes);
+  const Vector2d nadir = best.view.map_from_camera.translation_m.head<2>();
+  result.corner_std_m.resize(result.polygon_in_map_m.outer.size(), PoseStd_m(best));
+  for (std::size_t i = 0; i < result.corner_std_m.size(); ++i) {
+    const double lean = (result.polygon_in_map_m.outer[i] - nadir).norm() / CameraHeight(best);
+    result.corner_std_m[i] = std::hypot(result.corner_std_m[i], height_std_m * lean);
+  }
   return result;
 }
 
