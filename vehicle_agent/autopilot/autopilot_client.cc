@@ -472,8 +472,8 @@ void AutopilotClient::PursueTakeOff(const Intent& intent, Instant now) {
   if (is_px4 || landed_state_ >= kLandedInAir) return;
   CommandLong takeoff;
   takeoff.command = kCmdNavTakeoff;
-  takeoff.param7 = static_cast<float>(intent.position_in_map_m.z() - options_.reference_height_m -
-                                      frame_.home_height_m());
+  takeoff.param7 =
+      static_cast<float>(intent.position_in_map_m.z() - options_.reference_height_m - frame_.home_height_m());
   const auto ask = asks_.find(kCmdNavTakeoff);
   const bool was_refused = ask != asks_.end() && ask->second.result && *ask->second.result != kResultAccepted;
   SendCommand(takeoff, was_refused ? kAskModeEvery_s : kAskTakeoffEvery_s, now);

@@ -62,8 +62,8 @@ struct AutopilotOptions {
 ///
 /// ArduPilot Copter is flown in GUIDED, PX4 in OFFBOARD. Nothing is sent but what is needed for the present
 /// intent, and everything is repeated until the vehicle does it: message intervals after a reboot or when
-/// another station has slowed them down, modes, arming, takeoff. Pure: no socket, clock or thread; the same messages at the same times give the same
-/// bytes.
+/// another station has slowed them down, modes, arming, takeoff. Pure: no socket, clock or thread; the same
+/// messages at the same times give the same bytes.
 class AutopilotClient {
  public:
   /// @param has_gimbal  Whether there is a gimbal to aim, and to be asked for its attitude.

@@ -19,7 +19,8 @@ class MapFrame {
   void ForgetLocalOrigin() { local_origin_.reset(); }
 
   const std::optional<GeodeticOrigin>& origin() const { return origin_; }
-  /// Height of the newest home in the map: autopilots count a takeoff's height from there. 0 before the first.
+  /// Height of the newest home in the map: autopilots count a takeoff's height from there. 0 before the
+  /// first.
   double home_height_m() const { return home_height_m_; }
   bool HasLocalOrigin() const { return local_origin_.has_value(); }
   bool IsKnown() const { return origin_.has_value() && local_origin_.has_value(); }

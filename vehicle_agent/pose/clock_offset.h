@@ -9,8 +9,9 @@ namespace soffit {
 /// Where the zero of a remote clock lies in UTC, from messages that took an unknown time to arrive.
 ///
 /// A question and its answer (MAVLink TIMESYNC) bound the offset to half their round trip: the quickest of
-/// the last three seconds counts. Without any, the quickest one-way arrival does, which is late by its unknown
-/// delay. A clock that falls behind, as that of a simulator on a busy machine, is followed within these seconds.
+/// the last three seconds counts. Without any, the quickest one-way arrival does, which is late by its
+/// unknown delay. A clock that falls behind, as that of a simulator on a busy machine, is followed within
+/// these seconds.
 class ClockOffset {
  public:
   /// A question that was sent at `sent_utc_ns` and answered by `remote_ns`.

@@ -84,8 +84,7 @@ Result<std::vector<Wire>> OpenWires(const RunOptions& options) {
 /// One run: everything that happens between the start and the signal to stop.
 class Session {
  public:
-  Session(const RunOptions& options, const World& world, const Truth& truth,
-          std::vector<Wire> wires)
+  Session(const RunOptions& options, const World& world, const Truth& truth, std::vector<Wire> wires)
       : options_(options),
         world_(world),
         truth_(truth),
@@ -131,7 +130,8 @@ class Session {
   std::unique_ptr<Flight> MakeFlight() const {
     if (options_.autopilot == "none") return FollowFlight(world_, space_, truth_);
     const auto kind = options_.autopilot == "px4" ? AutopilotKind::kPx4 : AutopilotKind::kArduPilot;
-    return SimulateFlight(world_, space_, truth_, {kind, options_.is_quick_start, options_.seed, UtcNs(), wires_.size()});
+    return SimulateFlight(world_, space_, truth_,
+                          {kind, options_.is_quick_start, options_.seed, UtcNs(), wires_.size()});
   }
 
   void Round() {

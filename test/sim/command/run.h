@@ -21,13 +21,13 @@ struct RunOptions {
   double late_picture_ratio = 0.0;
 };
 
-/// Flies in the world in real time until SIGINT or SIGTERM: autopilot on MAVLink links, cameras and control by
-/// HTTP.
+/// Flies in the world in real time until SIGINT or SIGTERM: autopilot on MAVLink links, cameras and control
+/// by HTTP.
 ///
-/// When ready it prints one line of JSON: {"mavlink": [URL, ...], "camera_port", "control_port", "out"}. Writes
-/// OUT/truth.json (whole, every second and at the end) and OUT/track.csv (20 times a second). A line POSTed
-/// to http://127.0.0.1:CONTROL/disturb makes something go wrong: what Flight::Disturb knows, and "link off
-/// SECONDS" or "camera BROKEN_RATIO LATE_RATIO". GET /truth gives what truth.json would say now.
+/// When ready it prints one line of JSON: {"mavlink": [URL, ...], "camera_port", "control_port", "out"}.
+/// Writes OUT/truth.json (whole, every second and at the end) and OUT/track.csv (20 times a second). A line
+/// POSTed to http://127.0.0.1:CONTROL/disturb makes something go wrong: what Flight::Disturb knows, and "link
+/// off SECONDS" or "camera BROKEN_RATIO LATE_RATIO". GET /truth gives what truth.json would say now.
 Status Run(const RunOptions& options);
 
 }  // namespace soffit::sim

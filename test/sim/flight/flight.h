@@ -62,10 +62,10 @@ struct SimulatedFlightOptions {
 std::unique_ptr<Flight> SimulateFlight(const World& world, const Space& space, const Truth& truth,
                                        const SimulatedFlightOptions& options);
 
-/// Follows an autopilot that flies elsewhere: its reported pose is taken as the truth, and the world lies about
-/// the first home that it reports, wherever on Earth that is. Asks it for LOCAL_POSITION_NED,
-/// ATTITUDE_QUATERNION, HOME_POSITION, GPS_GLOBAL_ORIGIN, EXTENDED_SYS_STATE and the gimbal's attitude, and again
-/// when they stop coming or come too slowly. It has one link.
+/// Follows an autopilot that flies elsewhere: its reported pose is taken as the truth, and the world lies
+/// about the first home that it reports, wherever on Earth that is. Asks it for LOCAL_POSITION_NED,
+/// ATTITUDE_QUATERNION, HOME_POSITION, GPS_GLOBAL_ORIGIN, EXTENDED_SYS_STATE and the gimbal's attitude, and
+/// again when they stop coming or come too slowly. It has one link.
 std::unique_ptr<Flight> FollowFlight(const World& world, const Space& space, const Truth& truth);
 
 }  // namespace soffit::sim

@@ -26,12 +26,9 @@ struct Wish {
   std::uint32_t message_id;
   double rate_hz;  ///< 0: once.
 };
-constexpr Wish kWishes[] = {{LocalPositionNed::kId, 50.0},
-                            {AttitudeQuaternion::kId, 50.0},
-                            {ExtendedSysState::kId, 4.0},
-                            {GimbalDeviceAttitudeStatus::kId, 20.0},
-                            {HomePosition::kId, 0.0},
-                            {GpsGlobalOrigin::kId, 0.0}};
+constexpr Wish kWishes[] = {{LocalPositionNed::kId, 50.0}, {AttitudeQuaternion::kId, 50.0},
+                            {ExtendedSysState::kId, 4.0},  {GimbalDeviceAttitudeStatus::kId, 20.0},
+                            {HomePosition::kId, 0.0},      {GpsGlobalOrigin::kId, 0.0}};
 
 template <class Message>
 GeodeticOrigin PlaceOf(const Message& m) {
@@ -72,8 +69,8 @@ class FollowedFlight : public Flight {
     Encoder& encoder = EncoderFor(system_id_);
     if (utc_ns - said_utc_ns_ >= kHeartbeatPeriod_ns) {  // Where the other side waits to be spoken to.
       said_utc_ns_ = utc_ns;
-      packets_.push_back(
-          encoder.Encode(Heartbeat{.type = kTypeCamera, .autopilot = kAutopilotInvalid, .mavlink_version = 3}));
+      packets_.push_back(encoder.Encode(
+          Heartbeat{.type = kTypeCamera, .autopilot = kAutopilotInvalid, .mavlink_version = 3}));
     }
     if (system_id_ == 0 || utc_ns - asked_utc_ns_ < kAskAgain_ns) return;
     asked_utc_ns_ = utc_ns;

@@ -344,7 +344,8 @@ TEST(AutopilotClient, LeavesTheOtherComponentsOfItsVehicleAlone) {
   Talk talk;
   talk.Run(4.0);
   mavlink::FrameParser parser;
-  for (const std::uint8_t component : std::to_array<std::uint8_t>({100, 154, 156, 191})) {  // Camera, gimbal, ADS-B, a companion.
+  for (const std::uint8_t component :
+       std::to_array<std::uint8_t>({100, 154, 156, 191})) {  // Camera, gimbal, ADS-B, a companion.
     mavlink::Encoder other(1, component);
     mavlink::Heartbeat heartbeat;
     heartbeat.custom_mode = mavlink::kCopterLand;
