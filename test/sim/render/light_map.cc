@@ -21,11 +21,11 @@ int IndexInLattice(int steps, int i, int j) { return j * (steps + 1) - j * (j - 
 
 /// Directions about `normal`, as dense as the cosine to it, one in each of 8 x 8 strata.
 Eigen::Vector3f SampleDirection(const Eigen::Vector3f& normal, int stratum, std::uint64_t seed) {
-  const double first =
-      (stratum % kStrata + ToUnit(Mix(seed + 2 * static_cast<std::uint64_t>(stratum)))) / kStrata;
-  const double second = (static_cast<double>(stratum / kStrata) +
-                         ToUnit(Mix(seed + 2 * static_cast<std::uint64_t>(stratum) + 1))) /
-                        kStrata;
+  const int column = stratum % kStrata;
+  const int row = stratum / kStrata;
+  const std::uint64_t draw = seed + 2 * static_cast<std::uint64_t>(stratum);
+  const double first = (column + ToUnit(Mix(draw))) / kStrata;
+  const double second = (row + ToUnit(Mix(draw + 1))) / kStrata;
   const auto radius = static_cast<float>(std::sqrt(first));
   const auto angle = static_cast<float>(2.0 * std::numbers::pi * second);
   const Eigen::Vector3f across =
