@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "service/clearance/contact.h"
+#include "service/clearance/look.h"
 #include "service/scene/sweep.h"
 #include "service/facade/wall.h"
 
@@ -14,7 +15,6 @@ namespace {
 
 constexpr double kSameView_m = 0.5;
 constexpr double kTiny_m = 1e-9;
-constexpr double kLow = 0.30;  // Of the needed height: what is no higher may be a mark or a shadow on the ground.
 
 std::string InMetres(double value) {
   std::ostringstream text;
@@ -94,10 +94,8 @@ struct Judge {
     return std::nullopt;
   }
 
-  std::optional<Corridor> FindDoubtfulWay() const;
   ClearanceDecision WithoutPassage() const;
   ClearanceDecision OnCorridor(const Corridor& corridor) const;
-  bool IsNarrowByLowThings(const Corridor& corridor) const;
   std::optional<std::string> FindNeighbourInTheWay(const Corridor& corridor) const;
 };
 
@@ -105,43 +103,6 @@ Eigen::Vector3d MiddleOf(const SolidOpening& opening) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : opening.polygon_in_map_m) middle += p;
   return middle / static_cast<double>(opening.polygon_in_map_m.size());
-}
-
-/// Whether the upright line at `u` of `wall` goes through the opening.
-bool Spans(const SolidOpening& opening, const Wall& wall, double u) {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  for (const Eigen::Vector3d& p : opening.polygon_in_map_m) {
-    low = std::min(low, wall.U(p.head<2>()));
-    high = std::max(high, wall.U(p.head<2>()));
-  }
-  return low <= u && u <= high;
-}
-
-/// Where two openings face each other and too little of what is beyond was seen to tell whether they meet.
-std::optional<Corridor> Judge::FindDoubtfulWay() const {
-  const Polygon& polygon = solid.footprint.polygon_in_map_m;
-  for (const SolidOpening& near : solid.openings) {
-    if (near.wall < 0 || !near.shows_background) continue;
-    const Wall wall = WallOf(polygon.outer, near.wall);
-    const Eigen::Vector3d middle = MiddleOf(near);
-    const auto way = FindWayOut(polygon, near.wall, wall.U(middle.head<2>()));
-    if (!way) continue;
-    const Wall exit = WallOf(polygon.outer, way->side);
-    const bool has_far_mouth = std::any_of(solid.openings.begin(), solid.openings.end(), [&](const SolidOpening& far) {
-      return far.wall == way->side && Spans(far, exit, way->u_m);
-    });
-    if (!has_far_mouth) continue;
-    Corridor corridor;
-    corridor.object_id = solid.footprint.object_id;
-    corridor.entry_wall = near.wall;
-    corridor.exit_wall = way->side;
-    corridor.entry_in_map_m = middle;
-    corridor.exit_in_map_m = middle;
-    corridor.exit_in_map_m.head<2>() -= way->length_m * wall.outward;
-    return corridor;
-  }
-  return std::nullopt;
 }
 
 ClearanceDecision Judge::WithoutPassage() const {
@@ -159,12 +120,6 @@ ClearanceDecision Judge::WithoutPassage() const {
       decision.wanted = LookAtWall(way->side);
       return decision;
     }
-  }
-  if (const auto doubtful = FindDoubtfulWay()) {
-    decision.reason = "the openings of walls " + std::to_string(doubtful->entry_wall) + " and " +
-                      std::to_string(doubtful->exit_wall) + " show too little of what is beyond to tell whether they meet";
-    decision.wanted = LookAlong(*doubtful);
-    return decision;
   }
   for (const int side : solid.unseen_walls) {
     const Wall wall = WallOf(polygon.outer, side);
@@ -199,22 +154,6 @@ std::optional<std::string> Judge::FindNeighbourInTheWay(const Corridor& corridor
   return std::nullopt;
 }
 
-/// Whether the passage would be wide enough without the low things in it.
-bool Judge::IsNarrowByLowThings(const Corridor& corridor) const {
-  if (corridor.limited_by.empty()) return false;
-  Scene without = scene;
-  const auto is_low = [&](const Obstacle& obstacle) { return obstacle.height_m <= kLow * vehicle.NeededHeight_m(); };
-  without.obstacles.erase(std::remove_if(without.obstacles.begin(), without.obstacles.end(), is_low), without.obstacles.end());
-  CorridorOptions same;
-  const Wall entry = WallOf(solid.footprint.polygon_in_map_m.outer, corridor.entry_wall);
-  same.approach_m = entry.Front(corridor.entry_in_map_m.head<2>());
-  const std::vector<Corridor> corridors = PlanCorridors(without, corridor.object_id, vehicle, same);
-  return std::any_of(corridors.begin(), corridors.end(), [&](const Corridor& other) {
-    return other.entry_wall == corridor.entry_wall && other.exit_wall == corridor.exit_wall &&
-           other.free_width_m >= vehicle.NeededWidth_m() && other.free_height_m >= vehicle.NeededHeight_m();
-  });
-}
-
 ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
   ClearanceDecision decision = Start(corridor.entry_wall);
   decision.corridor = corridor;
@@ -240,11 +179,6 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
   const double height_slack = (stands_on_ground ? 1.0 : 2.0) * slack;
   const std::string because = corridor.limited_by.empty() ? "" : " (" + corridor.limited_by + ")";
   if (spare_width + 2.0 * slack < 0.0 && spare_width < 0.0) {
-    if (IsNarrowByLowThings(corridor)) {
-      decision.reason = "a thing or a mark on the ground leaves " + InMetres(corridor.free_width_m) + " of width" + because;
-      decision.wanted = LookAlong(corridor);
-      return decision;
-    }
     decision.verdict = Verdict::kBlocked;
     decision.reason = "too narrow by " + InMetres(-spare_width) + because;
     return decision;
@@ -257,11 +191,6 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
   if (const auto neighbour = FindNeighbourInTheWay(corridor)) {
     decision.verdict = Verdict::kBlocked;
     decision.reason = *neighbour;
-    return decision;
-  }
-  if (!corridor.was_seen_from_both_sides) {
-    decision.reason = "wall " + std::to_string(corridor.exit_wall) + ", the far end of the passage, was not seen";
-    decision.wanted = LookAtWall(corridor.exit_wall);
     return decision;
   }
   const double side_margin = std::min(decision.margin_left_m, decision.margin_right_m);
@@ -288,9 +217,9 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
     std::ostringstream text;
     text.precision(3);
     text << 100.0 * decision.seen_ratio << " % of the corridor was seen free";
-    if (sweep.first_unknown_m) text << ", not so at " << Place(*sweep.first_unknown_m);
+    if (!sweep.unknown_m.empty()) text << ", not so at " << Place(sweep.unknown_m[sweep.unknown_m.size() / 2]);
     decision.reason = text.str();
-    decision.wanted = LookAlong(corridor);
+    decision.wanted = PlanLook(scene, corridor, sweep.unknown_m, sights, vehicle);
     return decision;
   }
   decision.verdict = Verdict::kClear;

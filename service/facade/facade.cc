@@ -19,6 +19,7 @@ constexpr double kMinDoubtShare = 0.05;     // Background in so little of it is 
 constexpr double kMinGroundOnlyShare = 0.90;
 constexpr double kStraightShare = 0.25;     // Of a head's columns that have to lie on one level.
 constexpr double kPixelStd = 0.7;
+constexpr double kMisfitSigmas = 6.0;       // Of the pose: by so much the picture may be beside the wall's end.
 constexpr double kRoofSearch = 1.6;         // Times the height that is expected.
 constexpr double kFallbackHeight_m = 12.0;
 constexpr int kHeadSegments = 24;
@@ -106,6 +107,8 @@ std::vector<Gap> FindGaps(const Elevation& view, double height_m, double min_ope
                     stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT)};
     found.is_standing = found.bounds.y <= 2 + reach;
     if (found.bounds.width < least || (!found.is_standing && found.bounds.height < least)) continue;
+    const bool is_at_end = found.bounds.x <= 2 + reach || found.bounds.x + found.bounds.width >= gap.cols - 2 - reach;
+    if (is_at_end && found.bounds.width * view.cell_m < kMisfitSigmas * view.pose_std_m) continue;  // Beside the wall.
     found.inside = component(found.bounds) == i;
     gaps.push_back(found);
   }
@@ -356,7 +359,7 @@ std::optional<Opening> MeasureOpening(const Elevation& view, const Gap& gap, con
     opening.is_through = evidence.is_through;
     opening.shows_background = evidence.shows_background;
     opening.evidence = evidence.text;
-    if (opening.is_through) mouth.shrink = shrink;
+    if (opening.shows_background) mouth.shrink = shrink;
   } else {
     opening.evidence = "no wall opposite it";
   }

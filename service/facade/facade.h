@@ -13,16 +13,17 @@
 
 namespace soffit {
 
-/// What a pixel of a horizontal picture shows. Zero is the safe one: it proves nothing.
+/// What a pixel of a picture shows. Zero is the safe one: it proves nothing.
 enum class Seen : std::uint8_t { kUnexplained, kStructure, kGround, kSky };
 
-/// One horizontal picture, understood pixel by pixel: `seen` holds `Seen` values, size of the picture.
+/// One picture, understood pixel by pixel: `seen` holds `Seen` values, size of the picture.
 struct Sight {
   std::uint32_t capture_id = 0;
   bool has_trusted_pose = false;
   View view;
   cv::Mat3b bgr;      ///< The picture itself, shared with the Image.
   cv::Mat1b seen;
+  cv::Rect shown;     ///< What lies outside shows nothing: the margin of an undistorted picture.
 };
 
 /// An opening of one wall. Wall coordinates: u along the footprint's side from its first corner, v up from the ground.
@@ -58,7 +59,7 @@ struct FacadeOptions {
   }
 };
 
-/// Labels every pixel of a horizontal picture. `buildings` is its colour mask.
+/// Labels every pixel of a picture, horizontal or from above. `buildings` is its colour mask.
 ///
 /// Structure has a hue of the mask's classes, also in deep shade. Sky is what is coloured like the upper part of the
 /// picture and what fades from there to the horizon. Ground has the chromaticity of the lower part of the picture, lit

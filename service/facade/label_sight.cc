@@ -17,6 +17,9 @@ constexpr double kShadeSaturation = 0.60;    // Of the class's own saturation: w
 constexpr double kSurelySkyRise = 0.12;      // Tangent above the horizon: few things reach higher.
 constexpr double kDarkestSky = 0.60;         // Of the median of what is surely sky.
 constexpr double kSurelyGroundRise = -0.05;
+constexpr double kGroundShare = 0.25;        // Of the lowest ray's fall: what lies above may be things on the ground.
+constexpr std::size_t kMinGround_px = 100;
+constexpr double kMinToneShare = 0.08;       // Of the ground: a rarer colour may be that of a thing.
 constexpr int kMaxSkyStep = 5;               // Of 255, from pixel to pixel: how fast sky fades.
 constexpr double kMinSkyShare = 2e-4;
 constexpr double kChromaReach = 0.022;
@@ -190,45 +193,95 @@ struct Chroma {
   }
 };
 
-/// The ground's colour as the lower half of what lies below the horizon shows it.
-struct GroundModel {
+/// One colour of the ground, in light or in shade.
+struct Tone {
   double red = 0.0;
   double green = 0.0;
   double spread = 0.0;   ///< Median absolute deviation of the chromaticity.
+
+  bool Explains(const Chroma& seen) const {
+    const double reach = kChromaReach + 3.0 * spread + kDarkNoise / std::max(1.0F, seen.sum);
+    return std::hypot(seen.red - red, seen.green - green) <= reach;
+  }
+};
+
+Tone LearnTone(const std::vector<Chroma>& samples) {
+  std::vector<float> reds, greens, deviations;
+  for (const Chroma& sample : samples) {
+    reds.push_back(sample.red);
+    greens.push_back(sample.green);
+  }
+  Tone tone;
+  tone.red = Quantile(reds, 0.5);
+  tone.green = Quantile(greens, 0.5);
+  for (const float red : reds) deviations.push_back(std::abs(red - static_cast<float>(tone.red)));
+  for (const float green : greens) deviations.push_back(std::abs(green - static_cast<float>(tone.green)));
+  tone.spread = Quantile(deviations, 0.5);
+  return tone;
+}
+
+/// The ground's colours: shade is lit by the sky alone, so it has a tone of its own.
+struct GroundModel {
+  std::vector<Tone> tones;
   double least_sum = 0.0;
   double most_sum = -1.0;
 
   bool Explains(const cv::Vec3b& color) const {
     const Chroma seen(color);
     if (seen.sum < least_sum || seen.sum > most_sum) return false;
-    const double reach = kChromaReach + 3.0 * spread + kDarkNoise / std::max(1.0F, seen.sum);
-    return std::hypot(seen.red - red, seen.green - green) <= reach;
+    return std::any_of(tones.begin(), tones.end(), [&](const Tone& tone) { return tone.Explains(seen); });
   }
 };
+
+/// The brightness that tells light from shade best (Otsu 1979).
+float SplitBrightness(const std::vector<Chroma>& samples) {
+  std::array<double, 96> count{};  // 8 levels of the sum of three channels each.
+  double all = 0.0, all_sum = 0.0;
+  for (const Chroma& sample : samples) {
+    const std::size_t bin = std::min<std::size_t>(95, static_cast<std::size_t>(sample.sum / 8.0F));
+    count[bin] += 1.0;
+    all += 1.0;
+    all_sum += static_cast<double>(bin);
+  }
+  double below = 0.0, below_sum = 0.0, best = -1.0;
+  std::size_t split = 0;
+  for (std::size_t bin = 0; bin + 1 < count.size(); ++bin) {
+    below += count[bin];
+    below_sum += count[bin] * static_cast<double>(bin);
+    if (below == 0.0 || below == all) continue;
+    const double apart = below_sum / below - (all_sum - below_sum) / (all - below);
+    const double between = below * (all - below) * apart * apart;
+    if (between > best) {
+      best = between;
+      split = bin;
+    }
+  }
+  return 8.0F * static_cast<float>(split + 1);
+}
 
 GroundModel LearnGround(const cv::Mat3b& smooth, const Horizon& horizon, const cv::Mat1b& seen) {
   double lowest_rise = 0.0;
   for (const int x : {0, seen.cols - 1}) lowest_rise = std::min(lowest_rise, horizon.Rise(x, seen.rows - 1));
-  const double below = std::min(kSurelyGroundRise, 0.5 * lowest_rise);
-  std::vector<float> reds, greens, sums;
+  const double below = std::min(kSurelyGroundRise, kGroundShare * lowest_rise);
+  std::vector<Chroma> samples;
+  std::vector<float> sums;
   for (int y = 0; y < seen.rows; ++y) {
     for (int x = 0; x < seen.cols; ++x) {
       if (seen(y, x) != 0 || horizon.Rise(x, y) > below) continue;
-      const Chroma color(smooth(y, x));
-      reds.push_back(color.red);
-      greens.push_back(color.green);
-      sums.push_back(color.sum);
+      samples.emplace_back(smooth(y, x));
+      sums.push_back(samples.back().sum);
     }
   }
   GroundModel model;
-  if (reds.size() < 100) return model;
-  model.red = Quantile(reds, 0.5);
-  model.green = Quantile(greens, 0.5);
-  std::vector<float> deviations;
-  deviations.reserve(reds.size());
-  for (const float red : reds) deviations.push_back(std::abs(red - static_cast<float>(model.red)));
-  for (const float green : greens) deviations.push_back(std::abs(green - static_cast<float>(model.green)));
-  model.spread = Quantile(deviations, 0.5);
+  if (samples.size() < kMinGround_px) return model;
+  const float split = SplitBrightness(samples);
+  std::vector<Chroma> dark, light;
+  for (const Chroma& sample : samples) (sample.sum < split ? dark : light).push_back(sample);
+  for (const std::vector<Chroma>* part : {&dark, &light}) {
+    if (static_cast<double>(part->size()) >= kMinToneShare * static_cast<double>(samples.size())) {
+      model.tones.push_back(LearnTone(*part));
+    }
+  }
   model.least_sum = kDeepestShade * Quantile(sums, 0.5);
   model.most_sum = 1.15 * Quantile(sums, 0.995);
   return model;
@@ -284,8 +337,9 @@ Sight LabelSight(const Image& image, const Mask& buildings, const FacadeOptions&
   MarkSky(smooth, horizon, sight.seen);
   MarkGround(smooth, horizon, sight.seen);
   DropSpecks(horizon, sight.seen);
+  sight.shown = image.seen & cv::Rect(0, 0, sight.seen.cols, sight.seen.rows);
   cv::Mat1b outside(sight.seen.size(), uchar{255});
-  outside(image.seen & cv::Rect(0, 0, outside.cols, outside.rows)) = 0;
+  outside(sight.shown) = 0;
   sight.seen.setTo(static_cast<uchar>(Seen::kUnexplained), outside);
   return sight;
 }

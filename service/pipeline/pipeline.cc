@@ -28,6 +28,15 @@ HorizontalViews CollectHorizontalViews(const std::vector<Observation>& observati
   return views;
 }
 
+/// Of all pictures: the horizontal ones as they were adjusted, those from above as they are.
+std::vector<Sight> CollectSights(const std::vector<Observation>& observations, const HorizontalViews& horizontal) {
+  std::vector<Sight> sights = horizontal.sights;
+  for (const Observation& seen : observations) {
+    if (IsFromAbove(seen.image.purpose)) sights.push_back(seen.sight);
+  }
+  return sights;
+}
+
 std::vector<Footprint> MakeVectorMap(const std::vector<Observation>& observations) {
   std::vector<Footprint> map;
   for (const Observation& seen : observations) map = MergeFootprints(map, seen.footprints);
@@ -126,9 +135,8 @@ Result<Observation> Observe(const Capture& capture, const PipelineOptions& optio
   seen.outlines = TraceOutlines(seen.mask, seen.image.seen, options.outline);
   if (IsFromAbove(capture.purpose)) {
     seen.footprints = TraceFootprints(seen.image, seen.outlines, options.footprint);
-  } else {
-    seen.sight = LabelSight(seen.image, seen.mask, options.facade);
   }
+  seen.sight = LabelSight(seen.image, seen.mask, options.facade);
   return seen;
 } catch (const std::exception& failure) {
   return Error{Error::Code::kInternal, capture.name + ": " + failure.what()};
@@ -159,13 +167,14 @@ Understanding Understand(const std::vector<Observation>& observations, const Ref
   const bool is_found = std::any_of(objects.begin(), objects.end(), [](const auto& object) { return object.is_matched; });
   if (is_found) RefineMatch(objects, all.matches.front(), reference, options.match);
 
-  all.scene = BuildScene(revision, std::move(objects), std::move(solids), views.sights, options.scene);
+  const std::vector<Sight> sights = CollectSights(observations, views);
+  all.scene = BuildScene(revision, std::move(objects), std::move(solids), sights, options.scene);
   for (const SceneObject& object : all.scene.objects) {
     const std::uint32_t id = object.footprint.object_id;
     const bool is_modelled = std::any_of(all.scene.solids.begin(), all.scene.solids.end(),
                                          [id](const Solid& solid) { return solid.footprint.object_id == id; });
     if (!object.is_matched || !is_modelled) continue;
-    for (ClearanceDecision& decision : Decide(all.scene, id, views.sights, vehicle, options)) {
+    for (ClearanceDecision& decision : Decide(all.scene, id, sights, vehicle, options)) {
       all.decisions.push_back(std::move(decision));
     }
   }

@@ -52,7 +52,7 @@ struct Observation {
   Mask mask;
   std::vector<Outline> outlines;
   std::vector<Footprint> footprints;  ///< Pictures from above.
-  Sight sight;                        ///< Horizontal pictures.
+  Sight sight;
 };
 Result<Observation> Observe(const Capture& capture, const PipelineOptions& options);
 

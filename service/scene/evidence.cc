@@ -9,12 +9,12 @@ namespace {
 
 constexpr int kEdge_px = 2;           // How far a predicted edge and a seen one may lie apart.
 constexpr int kHorizon_px = 6;        // Ground fades into sky.
-constexpr int kMisfit_px = 6;         // Contradictions that stay so close to a predicted edge are no obstacles.
-constexpr int kMinUnpredicted_px = 20;
-constexpr double kFlatHeight = 0.06;  // Of the camera's height: what is lower and no wider than below is a speck of the
-constexpr double kFlatWidth = 0.30;   // ground. What is low and wide may be a cable before the ground.
-constexpr double kStandOff = 0.97;    // A thing reaches towards the camera from its foot: share of the depth that is free.
-constexpr double kPixelStd = 1.0;
+constexpr int kMisfit_px = 6;         // Contradictions that stay so close to a predicted edge are no things.
+constexpr int kMostMisfit_px = 40;
+constexpr double kMisfitSigmas = 2.0;
+constexpr int kMinThing_px = 20;
+constexpr int kMinCovered_px = 12;    // Of the model, beyond a misfit: less does not tell that a thing is before it.
+constexpr double kFootShare = 0.12;   // Of the depth of a thing's foot: how well it is known.
 
 cv::Mat Square(int reach) { return cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * reach + 1, 2 * reach + 1)); }
 
@@ -51,20 +51,30 @@ cv::Mat1b Border(const cv::Mat1b& mask, int reach) {
   return border;
 }
 
+/// How far the model's edges may lie beside the true ones.
+int MisfitReach(const View& view, const Prediction& prediction) {
+  double nearest = 0.0;
+  cv::minMaxLoc(prediction.depth_m, &nearest);
+  const double std_px = view.intrinsics.fx_px * (view.orientation_std_rad + view.position_std_m / std::max(0.5, nearest));
+  return std::min(kMostMisfit_px, kMisfit_px + static_cast<int>(std::ceil(kMisfitSigmas * std_px)));
+}
+
 }  // namespace
 
-FreeRays::FreeRays(const Sight& sight, const Prediction& prediction)
+Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& confirmed,
+                   const Eigen::AlignedBox2d& region)
     : capture_id_(sight.capture_id), view_(sight.view), camera_from_map_(sight.view.map_from_camera.Inverse()) {
-  SOFFIT_EXPECT(sight.seen.size() == prediction.label.size());
+  SOFFIT_EXPECT(sight.seen.size() == prediction.label.size() && confirmed.size() == prediction.label.size());
   Compare(sight, prediction);
-  PlaceUnpredicted(sight, prediction);
+  FindThings(sight, prediction);
+  DoubtUnconfirmedGround(prediction, confirmed, region);
   cv::Mat1f least;
   cv::erode(reach_m_, least, Square(kEdge_px));
   reach_m_ = least;
   cv::integral(fails_, fail_sum_, CV_32S);
 }
 
-void FreeRays::Compare(const Sight& sight, const Prediction& prediction) {
+void Evidence::Compare(const Sight& sight, const Prediction& prediction) {
   const cv::Mat1b structure = Only(prediction.label, Seen::kStructure);
   const cv::Mat1b ground = Only(prediction.label, Seen::kGround);
   const cv::Mat1b sky = Only(prediction.label, Seen::kSky);
@@ -76,86 +86,77 @@ void FreeRays::Compare(const Sight& sight, const Prediction& prediction) {
   agrees = Either(agrees, Both(seen_ground, Either(Grow(ground, kEdge_px), horizon)));
   agrees = Either(agrees, Both(seen_sky, Either(Grow(sky, kEdge_px), horizon)));
   agrees = Either(agrees, Both(Only(sight.seen, Seen::kUnexplained), edge));  // Mixed pixels.
-  near_edge_ = Border(structure, kMisfit_px);
+  near_edge_ = Border(structure, MisfitReach(sight.view, prediction));
   cv::threshold(agrees, fails_, 0.0, 1.0, cv::THRESH_BINARY_INV);
   reach_m_ = prediction.depth_m.clone();
 }
 
-/// Finds the foot of each connected thing that was not predicted, and lets its rays be free up to there.
-void FreeRays::PlaceUnpredicted(const Sight& sight, const Prediction& prediction) {
-  cv::Mat1i component;
+/// Tells how far each connected thing that was not predicted can be: before the nearest part of the model that it
+/// covers, and where it meets the ground.
+void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
   cv::Mat stats, centers;
-  const int count = cv::connectedComponentsWithStats(fails_, component, stats, centers, 8, CV_32S);
-  if (count <= 1) return;
-  const cv::Mat1b beside_structure =
-      Grow(Both(Only(sight.seen, Seen::kStructure), Only(prediction.label, Seen::kStructure)), kEdge_px + 1);
-  struct Thing {
+  const int count = cv::connectedComponentsWithStats(fails_, component_, stats, centers, 8, CV_32S);
+  struct Trace {
+    std::vector<float> covered_m;   ///< Depths of the model that it covers.
     int foot_y = -1;
-    double foot_x_sum = 0.0;
-    int foot_count = 0;
-    float hidden_m = std::numeric_limits<float>::infinity();  ///< Nearest predicted depth that it hides.
-    bool may_hang = false;
-    bool is_misfit = true;  ///< All of it lies beside a predicted edge.
+    int foot_x = 0;
   };
-  std::vector<Thing> things(static_cast<std::size_t>(count));
-  for (int y = 0; y < component.rows; ++y) {
-    for (int x = 0; x < component.cols; ++x) {
-      if (component(y, x) == 0) continue;
-      Thing& thing = things[static_cast<std::size_t>(component(y, x))];
-      if (y > thing.foot_y) thing = {y, 0.0, 0, thing.hidden_m, thing.may_hang, thing.is_misfit};
-      thing.foot_x_sum += x;
-      ++thing.foot_count;
-      const bool on_structure = prediction.label(y, x) == static_cast<uchar>(Seen::kStructure);
-      if (on_structure) thing.hidden_m = std::min(thing.hidden_m, prediction.depth_m(y, x));
-      if (near_edge_(y, x) == 0) thing.is_misfit = false;
-      if (!on_structure && beside_structure(y, x) != 0) thing.may_hang = true;
-      if (y == 0 || x == 0 || y + 1 == component.rows || x + 1 == component.cols) thing.may_hang = true;
+  std::vector<Trace> traces(static_cast<std::size_t>(count));
+  for (int y = 0; y < component_.rows; ++y) {
+    for (int x = 0; x < component_.cols; ++x) {
+      if (component_(y, x) == 0) continue;
+      Trace& trace = traces[static_cast<std::size_t>(component_(y, x))];
+      const bool is_on_model = prediction.label(y, x) == static_cast<uchar>(Seen::kStructure);
+      if (is_on_model && near_edge_(y, x) == 0) trace.covered_m.push_back(prediction.depth_m(y, x));
+      const bool is_on_ground = y + 1 < component_.rows && sight.seen(y + 1, x) == static_cast<uchar>(Seen::kGround);
+      if (is_on_ground) trace.foot_y = y, trace.foot_x = x;
     }
   }
-  const Intrinsics& k = view_.intrinsics;
-  std::vector<float> reach(things.size(), 0.0F);
+  things_.assign(traces.size(), Thing{});
   for (int i = 1; i < count; ++i) {
-    Thing& thing = things[static_cast<std::size_t>(i)];
-    if (thing.is_misfit) continue;
-    const Eigen::Vector2d foot(thing.foot_x_sum / thing.foot_count, thing.foot_y);
-    auto base = MeetHorizontalPlane(view_, foot, 0.0);
-    if (!base) base = MeetHorizontalPlane(view_, foot + Eigen::Vector2d(0.0, kHorizon_px), 0.0);
-    if (!base) continue;
-    const Eigen::Vector3d in_camera = (camera_from_map_ * Point<Map>{{base->x(), base->y(), 0.0}}).xyz_m;
-    const double camera_height = view_.map_from_camera.translation_m.z();
-    const double width_m = stats.at<int>(i, cv::CC_STAT_WIDTH) * in_camera.z() / k.fx_px;
-    const double height_m = stats.at<int>(i, cv::CC_STAT_HEIGHT) * in_camera.z() / k.fy_px;
-    const bool stands_before_all = in_camera.z() <= 1.02 * thing.hidden_m;
-    if (!stands_before_all) continue;
-    if (height_m <= kFlatHeight * camera_height && width_m <= kFlatWidth * camera_height && !thing.may_hang) {
-      reach[static_cast<std::size_t>(i)] = std::numeric_limits<float>::infinity();
+    Trace& trace = traces[static_cast<std::size_t>(i)];
+    Thing& thing = things_[static_cast<std::size_t>(i)];
+    if (stats.at<int>(i, cv::CC_STAT_AREA) < kMinThing_px) continue;
+    if (trace.covered_m.size() >= kMinCovered_px) {
+      thing.far_m = *std::max_element(trace.covered_m.begin(), trace.covered_m.end());
       continue;
     }
-    if (stats.at<int>(i, cv::CC_STAT_AREA) < kMinUnpredicted_px) continue;
-    // A thing in front of a structure that reaches down to the ground before it stands there, whatever else it touches.
-    const bool hides_structure = std::isfinite(thing.hidden_m);
-    if (thing.may_hang && !hides_structure) continue;
-    reach[static_cast<std::size_t>(i)] = static_cast<float>(kStandOff * in_camera.z());
-    Obstacle obstacle;
-    obstacle.base_in_map_m = {base->x(), base->y(), 0.0};
-    obstacle.radius_m = 0.5 * width_m;
-    obstacle.height_m = height_m;
-    obstacle.std_m = std::hypot(view_.position_std_m, in_camera.z() * in_camera.z() / camera_height *
-                                                          std::hypot(kPixelStd / k.fy_px, view_.orientation_std_rad));
-    obstacle.captures = {capture_id_};
-    obstacles_.push_back(std::move(obstacle));
+    const bool is_whole = trace.foot_y == stats.at<int>(i, cv::CC_STAT_TOP) + stats.at<int>(i, cv::CC_STAT_HEIGHT) - 1;
+    const auto foot = MeetHorizontalPlane(view_, {static_cast<double>(trace.foot_x), trace.foot_y + 0.5}, 0.0);
+    if (trace.foot_y < 0 || !is_whole || !foot) continue;
+    const double depth_m = (camera_from_map_ * Point<Map>{{foot->x(), foot->y(), 0.0}}).xyz_m.z();
+    const double width_m = stats.at<int>(i, cv::CC_STAT_WIDTH) * depth_m / view_.intrinsics.fx_px;
+    thing.near_m = static_cast<float>((1.0 - kFootShare) * depth_m);
+    thing.far_m = static_cast<float>((1.0 + kFootShare) * depth_m + width_m);
   }
-  for (int y = 0; y < component.rows; ++y) {
-    for (int x = 0; x < component.cols; ++x) {
-      const float free_m = reach[static_cast<std::size_t>(component(y, x))];
-      if (component(y, x) == 0 || free_m == 0.0F) continue;
-      fails_(y, x) = 0;
-      reach_m_(y, x) = std::min(reach_m_(y, x), free_m);
+}
+
+void Evidence::DoubtUnconfirmedGround(const Prediction& prediction, const cv::Mat1b& confirmed,
+                                      const Eigen::AlignedBox2d& region) {
+  const Intrinsics& k = view_.intrinsics;
+  const Eigen::Matrix3d rotation = view_.map_from_camera.rotation.toRotationMatrix();
+  for (int y = 0; y < fails_.rows; ++y) {
+    for (int x = 0; x < fails_.cols; ++x) {
+      if (prediction.label(y, x) != static_cast<uchar>(Seen::kGround) || confirmed(y, x) != 0) continue;
+      const Eigen::Vector3d in_camera((x - k.cx_px) / k.fx_px, (y - k.cy_px) / k.fy_px, 1.0);
+      const Eigen::Vector3d place = camera_in_map_m() + rotation * (prediction.depth_m(y, x) * in_camera);
+      if (region.contains(place.head<2>())) fails_(y, x) = 1;
     }
   }
 }
 
-bool FreeRays::SeesThrough(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
+bool Evidence::ShowsThingAt(const Eigen::Vector3d& point_in_map_m) const {
+  const Eigen::Vector3d p = (camera_from_map_ * Point<Map>{point_in_map_m}).xyz_m;
+  if (!(p.z() > 0.0)) return false;
+  const Intrinsics& k = view_.intrinsics;
+  const int x = static_cast<int>(std::lround(k.fx_px * p.x() / p.z() + k.cx_px));
+  const int y = static_cast<int>(std::lround(k.fy_px * p.y() / p.z() + k.cy_px));
+  if (x < 0 || y < 0 || x >= component_.cols || y >= component_.rows) return false;
+  const Thing& thing = things_[static_cast<std::size_t>(component_(y, x))];
+  return thing.far_m > 0.0F && p.z() >= thing.near_m && p.z() <= thing.far_m;
+}
+
+bool Evidence::SeesThrough(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
   const Eigen::Vector3d p = (camera_from_map_ * Point<Map>{center_in_map_m}).xyz_m;
   if (p.z() <= 2.0 * radius_m) return false;
   const Intrinsics& k = view_.intrinsics;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "service/facade/facade.h"
@@ -7,13 +8,18 @@
 
 namespace soffit {
 
-/// Where two pictures show one place of the ground in different brightness, at least one of them shows something else
-/// that is coloured like ground: such pixels become kUnexplained in both. Shadows lie on the ground and agree. The
-/// exposures of two pictures are matched by the median over all places that both show.
+/// Compares what the pictures show of the ground by laying each over every other along the ground plane (the plane
+/// sweep of R. Collins, 1996, for one plane). What lies on the ground looks alike in all of them, shadows and marks
+/// included; what stands on it or hangs above it does not. Exposures are matched by the median over all that two
+/// pictures share.
+///
+/// A pixel that is coloured like ground becomes kUnexplained when more pictures show something else at its place of
+/// the ground than agree with it from another direction. An unexplained pixel becomes kGround when at least two
+/// pictures from other directions agree with it and none shows something else. What no other picture shows stays as
+/// it is.
 ///
 /// @param predictions  Of the same sights, in the same order.
-/// @param low_m, high_m  The rectangle of ground that is looked at; `cell_m` > 0 is the distance of places.
-void RejectDisputedGround(const std::vector<Prediction>& predictions, const Eigen::Vector2d& low_m,
-                          const Eigen::Vector2d& high_m, double cell_m, std::vector<Sight>& sights);
+/// @return For each sight, 1 where a picture from another direction agrees with it.
+std::vector<cv::Mat1b> CheckGround(const std::vector<Prediction>& predictions, std::vector<Sight>& sights);
 
 }  // namespace soffit

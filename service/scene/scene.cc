@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "service/scene/clutter.h"
 #include "service/scene/evidence.h"
 #include "service/scene/ground_check.h"
 #include "service/scene/prediction.h"
@@ -12,7 +13,8 @@
 namespace soffit {
 namespace {
 
-constexpr double kGroundCell_m = 0.04;
+constexpr double kOtherDirection = 0.985;  // Cosine (10 degrees).
+constexpr std::size_t kMinThing = 8;        // Voxels: smaller groups are noise.
 
 /// The space that is mapped: whole voxels, aligned as OctoMap aligns them.
 struct Grid {
@@ -113,52 +115,159 @@ void MarkSolid(const Solid& solid, const Grid& grid, int x, int y, std::vector<b
   }
 }
 
-void MarkObstacle(const Obstacle& obstacle, const Grid& grid, int x, int y, std::vector<bool>& occupied) {
-  const Eigen::Vector3d center = grid.Center(x, y, 0);
-  const double distance = (center - obstacle.base_in_map_m).head<2>().norm();
-  if (distance > obstacle.radius_m + 0.7 * grid.voxel_m) return;
-  const int high = static_cast<int>(std::ceil(obstacle.height_m / grid.voxel_m)) - grid.first[2];
-  for (int z = 0; z < std::min(grid.count[2], high); ++z) occupied[static_cast<std::size_t>(z)] = true;
-}
-
-bool Reaches(const Solid& solid, const Obstacle& obstacle, double margin_m) {
-  const Ring& ring = solid.footprint.polygon_in_map_m.outer;
-  const Eigen::Vector2d base = obstacle.base_in_map_m.head<2>();
-  return Contains(ring, base) || DistanceToRing(base, ring) <= margin_m + obstacle.radius_m;
-}
-
 bool Touches(const Box& box, const Grid& grid, int x, int y) {
   const Eigen::Vector3d center = grid.Center(x, y, 0);
   return center.x() >= box.low.x() - grid.voxel_m && center.x() <= box.high.x() + grid.voxel_m &&
          center.y() >= box.low.y() - grid.voxel_m && center.y() <= box.high.y() + grid.voxel_m;
 }
 
-std::shared_ptr<const octomap::OcTree> MapSpace(const Scene& scene, const std::vector<FreeRays>& rays,
-                                                const SceneOptions& options) {
-  const Grid grid = LayGrid(BoundWanted(scene, options.margin_m), options);
-  auto tree = std::make_shared<octomap::OcTree>(grid.voxel_m);
-  std::vector<Box> boxes;
-  for (const Solid& solid : scene.solids) boxes.push_back(Bound(solid));
-  const double radius = 0.5 * std::sqrt(3.0) * grid.voxel_m;
+/// What is known of each voxel of the grid.
+enum class Voxel : std::uint8_t { kUnknown, kFree, kSolid, kThing };
+using Index = std::array<int, 3>;
+
+struct Voxels {
+  Grid grid;
+  std::vector<Voxel> states;
+
+  explicit Voxels(const Grid& laid)
+      : grid(laid), states(Size(laid.count[0]) * Size(laid.count[1]) * Size(laid.count[2]), Voxel::kUnknown) {}
+
+  bool Has(const Index& at) const {
+    return at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] < grid.count[0] && at[1] < grid.count[1] && at[2] < grid.count[2];
+  }
+  Voxel& At(const Index& at) {
+    return states[(Size(at[0]) * Size(grid.count[1]) + Size(at[1])) * Size(grid.count[2]) + Size(at[2])];
+  }
+
+ private:
+  static std::size_t Size(int count) { return static_cast<std::size_t>(count); }
+};
+
+/// Calls `visit` for each voxel of the grid.
+template <class Visit>
+void ForEach(const Grid& grid, Visit&& visit) {
   for (int x = 0; x < grid.count[0]; ++x) {
     for (int y = 0; y < grid.count[1]; ++y) {
-      std::vector<bool> occupied(static_cast<std::size_t>(grid.count[2]), false);
-      for (std::size_t i = 0; i < scene.solids.size(); ++i) {
-        if (Touches(boxes[i], grid, x, y)) MarkSolid(scene.solids[i], grid, x, y, occupied);
-      }
-      for (const Obstacle& obstacle : scene.obstacles) MarkObstacle(obstacle, grid, x, y, occupied);
-      for (int z = 0; z < grid.count[2]; ++z) {
-        const Eigen::Vector3d center = grid.Center(x, y, z);
-        const bool is_occupied = occupied[static_cast<std::size_t>(z)];
-        const bool is_free = !is_occupied && std::any_of(rays.begin(), rays.end(), [&](const FreeRays& view) {
-          return view.SeesThrough(center, radius);
-        });
-        if (!is_occupied && !is_free) continue;
-        const float log_odds = is_occupied ? tree->getClampingThresMaxLog() : tree->getClampingThresMinLog();
-        tree->setNodeValue(center.x(), center.y(), center.z(), log_odds, true);
+      for (int z = 0; z < grid.count[2]; ++z) visit(Index{x, y, z});
+    }
+  }
+}
+
+void FillSolids(const Scene& scene, Voxels& voxels) {
+  const Grid& grid = voxels.grid;
+  for (const Solid& solid : scene.solids) {
+    const Box box = Bound(solid);
+    for (int x = 0; x < grid.count[0]; ++x) {
+      for (int y = 0; y < grid.count[1]; ++y) {
+        if (!Touches(box, grid, x, y)) continue;
+        std::vector<bool> occupied(static_cast<std::size_t>(grid.count[2]), false);
+        MarkSolid(solid, grid, x, y, occupied);
+        for (int z = 0; z < grid.count[2]; ++z) {
+          if (occupied[static_cast<std::size_t>(z)]) voxels.At({x, y, z}) = Voxel::kSolid;
+        }
       }
     }
   }
+}
+
+/// Two pictures from different directions show something there that the model does not have.
+bool IsThing(const std::vector<Evidence>& pictures, const Eigen::Vector3d& center) {
+  std::vector<Eigen::Vector3d> directions;
+  for (const Evidence& picture : pictures) {
+    if (!picture.ShowsThingAt(center)) continue;
+    const Eigen::Vector3d direction = (picture.camera_in_map_m() - center).normalized();
+    for (const Eigen::Vector3d& other : directions) {
+      if (direction.dot(other) < kOtherDirection) return true;
+    }
+    directions.push_back(direction);
+  }
+  return false;
+}
+
+Voxels MapSpace(const Scene& scene, const std::vector<Evidence>& pictures, const SceneOptions& options) {
+  Voxels voxels(LayGrid(BoundWanted(scene, options.margin_m), options));
+  FillSolids(scene, voxels);
+  const double radius = 0.5 * std::sqrt(3.0) * voxels.grid.voxel_m;
+  ForEach(voxels.grid, [&](const Index& at) {
+    if (voxels.At(at) == Voxel::kSolid) return;
+    const Eigen::Vector3d center = voxels.grid.Center(at[0], at[1], at[2]);
+    const auto sees_through = [&](const Evidence& picture) { return picture.SeesThrough(center, radius); };
+    if (std::any_of(pictures.begin(), pictures.end(), sees_through)) {
+      voxels.At(at) = Voxel::kFree;
+    } else if (IsThing(pictures, center)) {
+      voxels.At(at) = Voxel::kThing;
+    }
+  });
+  return voxels;
+}
+
+/// All voxels of the same state that hang together with this one, by faces, edges or corners.
+std::vector<Index> Flood(const Index& start, Voxels& voxels, std::vector<bool>& is_taken) {
+  const auto number = [&](const Index& at) { return static_cast<std::size_t>(&voxels.At(at) - voxels.states.data()); };
+  const Voxel state = voxels.At(start);
+  std::vector<Index> group = {start};
+  is_taken[number(start)] = true;
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    for (int k = 0; k < 27; ++k) {
+      const Index next = {group[i][0] + k % 3 - 1, group[i][1] + k / 3 % 3 - 1, group[i][2] + k / 9 - 1};
+      if (!voxels.Has(next) || voxels.At(next) != state || is_taken[number(next)]) continue;
+      is_taken[number(next)] = true;
+      group.push_back(next);
+    }
+  }
+  return group;
+}
+
+/// The upright cylinder about a group of voxels.
+Obstacle Enclose(const std::vector<Index>& group, const Grid& grid, const std::vector<Evidence>& pictures) {
+  Box box;
+  for (const Index& at : group) {
+    const Eigen::Vector3d center = grid.Center(at[0], at[1], at[2]);
+    box.low = box.low.cwiseMin(center);
+    box.high = box.high.cwiseMax(center);
+  }
+  Obstacle obstacle;
+  const Eigen::Vector3d middle = 0.5 * (box.low + box.high);
+  obstacle.base_in_map_m = {middle.x(), middle.y(), 0.0};
+  obstacle.height_m = box.high.z() + 0.5 * grid.voxel_m;
+  obstacle.std_m = 0.5 * grid.voxel_m;
+  for (const Index& at : group) {
+    const double distance = (grid.Center(at[0], at[1], at[2]) - middle).head<2>().norm();
+    obstacle.radius_m = std::max(obstacle.radius_m, distance + 0.7 * grid.voxel_m);
+  }
+  const Index& some = group[group.size() / 2];
+  for (const Evidence& picture : pictures) {
+    if (picture.ShowsThingAt(grid.Center(some[0], some[1], some[2]))) obstacle.captures.push_back(picture.capture_id());
+  }
+  return obstacle;
+}
+
+/// Groups that are too small are withdrawn.
+std::vector<Obstacle> GatherObstacles(const std::vector<Evidence>& pictures, Voxels& voxels) {
+  std::vector<Obstacle> obstacles;
+  std::vector<bool> is_taken(voxels.states.size(), false);
+  ForEach(voxels.grid, [&](const Index& at) {
+    const std::size_t number = static_cast<std::size_t>(&voxels.At(at) - voxels.states.data());
+    if (voxels.At(at) != Voxel::kThing || is_taken[number]) return;
+    const std::vector<Index> group = Flood(at, voxels, is_taken);
+    if (group.size() >= kMinThing) {
+      obstacles.push_back(Enclose(group, voxels.grid, pictures));
+    } else {
+      for (const Index& small : group) voxels.At(small) = Voxel::kUnknown;
+    }
+  });
+  return obstacles;
+}
+
+std::shared_ptr<const octomap::OcTree> PlantTree(Voxels& voxels) {
+  auto tree = std::make_shared<octomap::OcTree>(voxels.grid.voxel_m);
+  ForEach(voxels.grid, [&](const Index& at) {
+    const Voxel state = voxels.At(at);
+    if (state == Voxel::kUnknown) return;
+    const Eigen::Vector3d center = voxels.grid.Center(at[0], at[1], at[2]);
+    const float log_odds = state == Voxel::kFree ? tree->getClampingThresMinLog() : tree->getClampingThresMaxLog();
+    tree->setNodeValue(center.x(), center.y(), center.z(), log_odds, true);
+  });
   tree->updateInnerOccupancy();
   tree->prune();
   return tree;
@@ -186,8 +295,9 @@ Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::
   }
   for (const Mesh& block : blocks) meshes.push_back(&block);
 
-  std::vector<FreeRays> rays;
-  if (const std::optional<Box> wanted = BoundWanted(scene, options.margin_m)) {
+  std::vector<Evidence> pictures;
+  if (const std::optional<Box> mapped = BoundWanted(scene, options.margin_m)) {
+    const Eigen::AlignedBox2d region(mapped->low.head<2>(), mapped->high.head<2>());
     std::vector<Sight> trusted;
     std::vector<Prediction> predictions;
     for (const Sight& sight : sights) {
@@ -196,18 +306,15 @@ Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::
       trusted.back().seen = sight.seen.clone();
       predictions.push_back(Predict(sight.view, meshes));
     }
-    RejectDisputedGround(predictions, wanted->low.head<2>(), wanted->high.head<2>(), kGroundCell_m, trusted);
-    for (std::size_t i = 0; i < trusted.size(); ++i) rays.emplace_back(trusted[i], predictions[i]);
-  }
-  for (const FreeRays& view : rays) {
-    for (const Obstacle& obstacle : view.obstacles()) {
-      const bool is_near = std::any_of(scene.solids.begin(), scene.solids.end(), [&](const Solid& solid) {
-        return IsWanted(scene, solid) && Reaches(solid, obstacle, options.margin_m);
-      });
-      if (is_near) scene.obstacles.push_back(obstacle);
+    const std::vector<cv::Mat1b> confirmed = CheckGround(predictions, trusted);
+    for (std::size_t i = 0; i < trusted.size(); ++i) {
+      pictures.emplace_back(trusted[i], predictions[i], confirmed[i], region);
+      for (Obstacle& thing : FindClutter(trusted[i], predictions[i])) scene.clutter.push_back(std::move(thing));
     }
   }
-  scene.octree = MapSpace(scene, rays, options);
+  Voxels voxels = MapSpace(scene, pictures, options);
+  scene.obstacles = GatherObstacles(pictures, voxels);
+  scene.octree = PlantTree(voxels);
   return scene;
 }
 

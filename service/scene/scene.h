@@ -21,7 +21,8 @@ struct SceneObject {
   std::vector<std::uint32_t> neighbours;   ///< Ids of the nearest objects, nearest first.
 };
 
-/// Something that stands in the scene and belongs to no building, as an upright cylinder on the ground.
+/// Something that stands in the scene, or hangs there, and belongs to no building: an upright cylinder on the ground
+/// about it.
 struct Obstacle {
   Eigen::Vector3d base_in_map_m = Eigen::Vector3d::Zero();
   double radius_m = 0.0;
@@ -36,6 +37,7 @@ struct Scene {
   std::vector<SceneObject> objects;
   std::vector<Solid> solids;
   std::vector<Obstacle> obstacles;
+  std::vector<Obstacle> clutter;   ///< What a picture from above alone shows beside the buildings: of unknown height.
   std::shared_ptr<const octomap::OcTree> octree;   ///< Never null. Unknown is where there is no node.
 };
 
@@ -54,15 +56,12 @@ struct SceneOptions {
   }
 };
 
-/// Builds the next snapshot. Voxels that a solid or an obstacle touches are occupied; a voxel is free when a picture
-/// with a trusted pose saw through all of it; all others are unknown.
+/// Builds the next snapshot. A voxel is occupied when a solid touches it; free when a picture with a trusted pose saw
+/// through all of it, to a part of the model, to ground or to sky (space carving: K. Kutulakos, S. Seitz, 2000);
+/// occupied too when two pictures from different directions show something there that the model does not have and that
+/// is near: then it belongs to an obstacle. All others are unknown.
 ///
-/// A pixel proves its ray free when it shows what the model predicts: structure where a solid is met (free up to its
-/// surface), ground or sky where none is. What shows something else stands somewhere on the ray: when it stands on the
-/// ground in front of all that it hides, the ray is free up to its foot; otherwise (it hangs, or it may go on behind a
-/// structure) the ray proves nothing. Two pixels beside a predicted edge either side of it is accepted.
-///
-/// A place of the ground that two pictures show differently proves nothing in either. The extent is that of the matched
+/// What the pictures show of the ground has to agree between them; see CheckGround(). The extent is that of the matched
 /// objects' solids and `margin_m` around them; without any, nothing is mapped. Pure.
 Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::vector<Solid> solids,
                  const std::vector<Sight>& sights, const SceneOptions& options);

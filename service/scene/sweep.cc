@@ -23,8 +23,7 @@ Sweep SweepOctree(const octomap::OcTree& tree, const Eigen::Vector2d& from, cons
         ++sweep.voxels;
         const octomap::OcTreeNode* node = tree.search(center.x(), center.y(), center.z());
         if (node == nullptr) {
-          ++sweep.unknown;
-          if (!sweep.first_unknown_m) sweep.first_unknown_m = center;
+          sweep.unknown_m.push_back(center);
         } else if (!tree.isNodeOccupied(node)) {
           ++sweep.free;
         } else {

@@ -10,9 +10,8 @@ namespace soffit {
 struct Sweep {
   int voxels = 0;
   int free = 0;
-  int unknown = 0;
   std::optional<Eigen::Vector3d> first_occupied_m;  ///< Centre of a voxel that lies wholly inside.
-  std::optional<Eigen::Vector3d> first_unknown_m;
+  std::vector<Eigen::Vector3d> unknown_m;           ///< Centres of voxels that nothing is known of.
 
   double SeenRatio() const { return voxels > 0 ? static_cast<double>(free) / voxels : 0.0; }
 };

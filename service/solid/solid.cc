@@ -131,7 +131,6 @@ struct Assembly {
     entry.is_through = is_through;
     entry.depth_m = opening.depth_m;
     entry.std_m = opening.std_m;
-    entry.shows_background = opening.shows_background;
     solid.openings.push_back(std::move(entry));
     return solid.openings.size() - 1;
   }
@@ -140,13 +139,13 @@ struct Assembly {
     std::size_t index = 0;
     Ring section;
   };
-  /// The see-through opening of `facade` that shares most with `ring` (in coordinates of `wall`).
+  /// The opening of `facade` that shows something beyond and shares most with `ring` (in coordinates of `wall`).
   std::optional<Counterpart> FindCounterpart(const Facade& facade, const Wall& wall, const Ring& ring) const {
     const Wall other = WallOf(footprint.polygon_in_map_m.outer, facade.side);
     std::optional<Counterpart> best;
     double widest = 0.0;
     for (std::size_t i = 0; i < facade.openings.size(); ++i) {
-      if (!facade.openings[i].is_through) continue;
+      if (!facade.openings[i].shows_background) continue;
       const Ring carried = Carry(facade.openings[i].ring_in_wall_m, other, wall);
       Ring common = CommonPart(ring, carried);
       if (common.size() < 3) continue;
@@ -168,7 +167,8 @@ struct Assembly {
     const Facade* exit = way ? FacadeOf(way->side) : nullptr;
     std::optional<Counterpart> counterpart;
     if (exit != nullptr && exit->was_seen) counterpart = FindCounterpart(*exit, wall, opening.ring_in_wall_m);
-    if (exit == nullptr || (exit->was_seen && !counterpart)) {
+    const bool may_be_inferred = exit != nullptr && !exit->was_seen;
+    if (!counterpart && !may_be_inferred) {
       listed[{facade.side, index}] = List(facade.side, opening.ring_in_wall_m, opening, false);
       return;
     }
@@ -238,7 +238,7 @@ Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& 
   for (const Facade& facade : facades) {
     if (!facade.was_seen) continue;
     for (std::size_t i = 0; i < facade.openings.size(); ++i) {
-      if (facade.openings[i].is_through) {
+      if (facade.openings[i].shows_background) {
         assembly.AddThrough(facade, i);
       } else {
         assembly.AddRecess(facade, i);

@@ -26,7 +26,6 @@ struct SolidOpening {
   bool is_through = false;
   double depth_m = 0.0;
   double std_m = 0.0;
-  bool shows_background = false;  ///< As in Opening: when it is not `is_through`, that is not known.
 };
 
 /// A way through the building: `section` swept along a horizontal axis, at right angles to the entry wall.
@@ -63,8 +62,9 @@ struct SolidOptions {
 /// The solid of one building: the footprint raised to its height, less its recesses and passages; in other words the
 /// common part of what the pictures show (paper, section 2.6). An error when the result is not a closed 2-manifold.
 ///
-/// A passage is cut where a see-through opening has its counterpart in the wall opposite, or where that wall was not
-/// seen; an opening whose opposite wall was seen closed does not lead through, whatever is seen in it.
+/// A passage is cut where two openings that show something beyond lie opposite each other, or where one has a wall
+/// opposite that was not seen; an opening whose opposite wall was seen closed does not lead through, whatever
+/// is seen in it. A passage is a proposal: whether it is free is for the scene to say.
 Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades, const SolidOptions& options);
 
 /// Every edge has exactly two triangles in opposite directions, and the volume is positive.

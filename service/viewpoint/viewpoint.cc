@@ -87,17 +87,20 @@ bool SeesSide(const Eigen::Vector2d& place, const Ring& ring, std::size_t side,
         (1.0 - t) * Corner(ring, side) + t * Corner(ring, side + 1) + kBefore_m * Outward(ring, side);
     if (Crosses(ring, place, point)) return false;
     for (const Footprint& other : others) {
+      if (other.object_id == 0) continue;  // Things that are no buildings hide too little of a wall.
       if (Crosses(other.polygon_in_map_m.outer, place, point)) return false;
     }
   }
   return true;
 }
 
-bool IsFree(const Eigen::Vector2d& place, const Footprint& object, const std::vector<Footprint>& map,
-            double distance_m) {
+/// Off buildings by `distance_m`, off other things (without an id) by what the envelope needs.
+bool IsFree(const Eigen::Vector2d& place, const Footprint& object, const std::vector<Footprint>& map, double distance_m,
+            double envelope_m) {
   const auto is_free_of = [&](const Footprint& footprint) {
     const Ring& ring = footprint.polygon_in_map_m.outer;
-    return !Contains(ring, place) && DistanceToRing(place, ring) >= distance_m;
+    const double keep_m = footprint.object_id == 0 ? envelope_m : distance_m;
+    return !Contains(ring, place) && DistanceToRing(place, ring) >= keep_m;
   };
   return is_free_of(object) && std::all_of(map.begin(), map.end(), is_free_of);
 }
@@ -259,7 +262,7 @@ std::optional<Viewpoint> PlanWall(const Footprint& object, int side, const std::
     while (!FitsSideways(look, curve, field)) look.distance_m *= 1.02;
     for (const double farther : {1.0, 1.2, 1.45}) {
       const LevelLook tried{target, look.heading, look.distance_m * farther};
-      if (!IsFree(tried.Place(), object, others, keep_off_m)) continue;
+      if (!IsFree(tried.Place(), object, others, keep_off_m, vehicle.radius_m + vehicle.safety_margin_m)) continue;
       if (!SeesSide(tried.Place(), ring, wall, others)) continue;
       return Viewpoint{Purpose::kWall,
                        {tried.Place().x(), tried.Place().y(), altitude_m},

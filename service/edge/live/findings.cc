@@ -30,8 +30,9 @@ Findings MakeFindings(const Understanding& understanding) {
     findings.map.push_back(object.footprint);
     if (object.is_matched) findings.wanted.push_back(object.footprint.object_id);
   }
-  for (const Obstacle& obstacle : understanding.scene.obstacles)
-    findings.map.push_back(FootprintOf(obstacle));
+  for (const auto* things : {&understanding.scene.obstacles, &understanding.scene.clutter}) {
+    for (const Obstacle& thing : *things) findings.map.push_back(FootprintOf(thing));
+  }
   findings.is_ambiguous = !understanding.matches.empty() && findings.wanted.empty();
   findings.decisions = understanding.decisions;
   findings.problems = understanding.problems;

@@ -27,6 +27,7 @@ Opening Through(const Ring& ring) {
   opening.ring_in_wall_m = ring;
   opening.std_m = 0.005;
   opening.is_through = true;
+  opening.shows_background = true;
   return opening;
 }
 
