@@ -18,9 +18,9 @@ using PoseCovariance = std::array<double, 36>;
 /// Row-major 6 x 6, the same standard deviation on every axis.
 PoseCovariance SpreadToCovariance(double position_std_m, double orientation_std_rad) {
   PoseCovariance covariance{};
-  for (int i = 0; i < kPoseSize; ++i) {
+  for (std::size_t i = 0; i < kPoseSize; ++i) {
     const double std = i < 3 ? position_std_m : orientation_std_rad;
-    covariance[static_cast<std::size_t>(i * kPoseSize + i)] = std * std;
+    covariance[i * kPoseSize + i] = std * std;
   }
   return covariance;
 }
