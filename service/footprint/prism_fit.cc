@@ -19,9 +19,11 @@ using Eigen::VectorXd;
 constexpr double kStep_px = 6.0;        ///< Between the points of outlines that are compared.
 constexpr double kRoughStep_px = 18.0;  ///< To compare starts.
 constexpr double kOutlineStd_px = 0.6;  ///< Of a traced side.
-constexpr double kSpacing_px = 60.0;    ///< Of points that err by themselves.
+constexpr double kSpacing_px = 200.0;   ///< Of points that err by themselves.
 constexpr double kFarthest = 6.0;       ///< In standard deviations: farther points are of something else.
-constexpr double kCornerPrice = 6.0;  ///< For each picture, as sides that bend a little do so in all of them.
+constexpr double kCornerPrice = 2.0;  ///< For each picture, as sides that bend a little do so in all of them.
+constexpr double kFlatCornerPrice = 8.0;  ///< Of corners that hardly bend a wall: buildings seldom have them,
+constexpr double kFlatSine = 0.25;        ///< but openings make walls look so.
 constexpr double kHighestRatio = 0.9;  ///< Of the lowest camera's height: no building reaches nearer to it.
 constexpr double kExactStd = 1e-6;     ///< For what is said to be known exactly.
 constexpr double kMinCos = 0.5;        ///< An outline is drawn to edges that run within 60 degrees of it.
@@ -422,10 +424,19 @@ class Fitter {
     explained_ratio_ = all > 0.0 ? explained / all : 0.0;
     const double height_std = std::max(prior_.std_m, kExactStd);
     const double height_error = (prism_.height_m - prior_.value_m) / height_std;
-    double corners = 0.0;
-    for (const Ring& ring : prism_.rings) corners += static_cast<double>(ring.size());
-    return 0.5 * (squares + height_error * height_error) +
-           kCornerPrice * corners * static_cast<double>(silhouettes_.size());
+    double price = 0.0;
+    for (const Ring& ring : prism_.rings) price += PriceOf(ring);
+    return 0.5 * (squares + height_error * height_error) + price * static_cast<double>(silhouettes_.size());
+  }
+
+  static double PriceOf(const Ring& ring) {
+    double price = 0.0;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Vector2d before = (ring[i] - ring[(i + ring.size() - 1) % ring.size()]).normalized();
+      const Vector2d after = (ring[(i + 1) % ring.size()] - ring[i]).normalized();
+      price += std::abs(Cross(before, after)) < kFlatSine ? kFlatCornerPrice : kCornerPrice;
+    }
+    return price;
   }
 
   /// Ways to draw a ring with fewer corners that hardly change it, those that change it least first.

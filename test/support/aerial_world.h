@@ -2,6 +2,7 @@
 
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -73,12 +74,14 @@ inline Mask Photograph(const View& view, const std::vector<Block>& blocks) {
   return mask;
 }
 
+/// What is made of a picture of the blocks; `reported`: where the camera is believed to be, if not there.
 inline std::vector<Footprint> TraceBlocks(const View& view, std::uint32_t capture_id,
-                                          const std::vector<Block>& blocks) {
+                                          const std::vector<Block>& blocks,
+                                          const std::optional<View>& reported = std::nullopt) {
   const Mask mask = Photograph(view, blocks);
   Image image;
   image.capture_id = capture_id;
-  image.view = view;
+  image.view = reported.value_or(view);
   image.seen = cv::Rect({0, 0}, mask.label.size());
   return TraceFootprints(image, TraceOutlines(mask, image.seen, {}), {});
 }

@@ -16,7 +16,9 @@ using test::LShape;
 using test::RelativeDifference;
 using test::TraceBlocks;
 using test::Turned;
+using ::testing::Each;
 using ::testing::ElementsAre;
+using ::testing::Gt;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
@@ -44,9 +46,69 @@ TEST(TraceFootprints, StraightensAnLWithItsInnerCorner) {
   const auto footprints = TraceBlocks(LookDown({0, 0, 12}), 1, {{shape, 2.0}});
   ASSERT_THAT(footprints, SizeIs(1));
   EXPECT_NEAR(footprints[0].height_m, 2.0, 2.0 * footprints[0].height_std_m);
-  EXPECT_LT(footprints[0].height_std_m, 0.3);
+  EXPECT_LT(footprints[0].height_std_m, 0.5);
   EXPECT_THAT(footprints[0].polygon_in_map_m.outer, SizeIs(6));
   EXPECT_LT(RelativeDifference(shape, footprints[0].polygon_in_map_m.outer), 0.05);
+}
+
+/// Walls that show in the notch are of the roof's colour. In the second picture the wing's lean fills the
+/// notch in part, and the dent of the passage goes on to the inner corner.
+TEST(MergeFootprints, DrawsAnLWithAPassageInOneWing) {
+  const Ring ell = {{-1.95, -1.25}, {1.95, -1.25}, {1.95, -0.05},
+                    {-0.85, -0.05}, {-0.85, 1.25}, {-1.95, 1.25}};
+  const Ring stem = {{-1.95, -1.25}, {-0.4, -1.25}, {-0.4, -0.05},
+                     {-0.85, -0.05}, {-0.85, 1.25}, {-1.95, 1.25}};
+  const Ring pier = {{1.3, -1.25}, {1.95, -1.25}, {1.95, -0.05}, {1.3, -0.05}};
+  const double turn = 1.2;
+  const Eigen::Vector2d at(2.5, 0.1);
+  const std::vector<Block> house = {
+      {Turned(stem, turn, at), 1.5}, {Turned(pier, turn, at), 1.5}, {Turned(ell, turn, at), 2.2, 1.5}};
+  auto map = MergeFootprints({}, TraceBlocks(LookDown({0, 0, 9}), 1, house));
+  map = MergeFootprints(map, TraceBlocks(LookDown({3.9, 1.2, 6.5}, 1.0), 2, house));
+  map = MergeFootprints(map, TraceBlocks(LookDown({2.5, 0.1, 6.5}, 2.0), 3, house));
+  ASSERT_THAT(map, SizeIs(1));
+  EXPECT_THAT(map[0].polygon_in_map_m.outer, SizeIs(6));
+  EXPECT_LT(RelativeDifference(Turned(ell, turn, at), map[0].polygon_in_map_m.outer), 0.03);
+  EXPECT_NEAR(map[0].height_m, 2.2, 0.03);
+}
+
+/// The reported poses contradict each other by many pixels.
+TEST(MergeFootprints, KeepsTheShapeWhenPosesAreNoisy) {
+  const Ring ell = Turned(LShape(), 0.7, {0.5, -0.5});
+  std::vector<Footprint> map;
+  std::uint32_t id = 0;
+  for (const Eigen::Vector3d& from :
+       {Eigen::Vector3d(0, 0, 11), Eigen::Vector3d(2, 1, 9), Eigen::Vector3d(0, 2, 9)}) {
+    ++id;
+    View reported = LookDown(from, 0.4 * id);
+    const double sign = id % 2 == 0 ? 1.0 : -1.0;
+    const Eigen::AngleAxisd turn(0.006, Eigen::Vector3d(sign, 0.5, -sign).normalized());
+    const View view = reported;
+    reported.position_std_m = 0.05;
+    reported.orientation_std_rad = 0.006;
+    reported.map_from_camera.translation_m += Eigen::Vector3d(0.05 * sign, -0.04, 0.03 * sign);
+    reported.map_from_camera.rotation = turn * reported.map_from_camera.rotation;
+    map = MergeFootprints(map, TraceBlocks(view, id, {{ell, 2.0}}, reported));
+  }
+  ASSERT_THAT(map, SizeIs(1));
+  Ring ring = map[0].polygon_in_map_m.outer;
+  ASSERT_THAT(ring, SizeIs(6));
+  EXPECT_NEAR(map[0].height_m, 2.0, 3.0 * map[0].height_std_m);
+  EXPECT_LT(map[0].height_std_m, 0.1);
+  const Eigen::Vector2d shift = Centroid({ell, {}}) - Centroid({ring, {}});
+  EXPECT_LT(shift.norm(), 0.1);
+  EXPECT_THAT(map[0].corner_std_m, Each(Gt(0.02)));
+  for (Eigen::Vector2d& p : ring) p += shift;
+  EXPECT_LT(RelativeDifference(ell, ring), 0.04);
+}
+
+/// Two of its sides run as the upright edges of a tall building would.
+TEST(TraceFootprints, DoesNotTakeASideThatHappensToBeRadialForAWall) {
+  const Ring ell = {{-4.0, -0.6}, {-2.0, -0.6}, {-2.0, 0.0}, {-3.2, 0.0}, {-3.2, 2.0}, {-4.0, 2.0}};
+  const auto footprints = TraceBlocks(LookDown({0, 0, 9}), 1, {{ell, 0.01}});
+  ASSERT_THAT(footprints, SizeIs(1));
+  EXPECT_THAT(footprints[0].polygon_in_map_m.outer, SizeIs(6));
+  EXPECT_LT(RelativeDifference(ell, footprints[0].polygon_in_map_m.outer), 0.03);
 }
 
 /// Seen from the side, ground shows through the opening: the blob has a dent that the building has not.
