@@ -118,6 +118,31 @@ bool IsUnderRoof(const Ring& dent, const std::vector<Silhouette>& silhouettes, d
   });
 }
 
+/// The same where the ring is convex but for the dent: piers beside an opening may be too slim to be traced.
+Ring ClosePockets(const Ring& ring, const Vector2d& nadir, const std::vector<Silhouette>& all,
+                  double height_m) {
+  const Ring hull = ConvexHull(ring);
+  const auto is_on_hull = [&](const Vector2d& p) {
+    return std::find(hull.begin(), hull.end(), p) != hull.end();
+  };
+  const auto first = std::find_if(ring.begin(), ring.end(), is_on_hull);
+  if (first == ring.end()) return ring;
+  Ring turned(first, ring.end());
+  turned.insert(turned.end(), ring.begin(), first);
+  Ring closed;
+  for (std::size_t i = 0; i < turned.size();) {
+    Ring pocket = {turned[i]};
+    std::size_t next = i + 1;
+    while (next < turned.size() && !is_on_hull(turned[next])) pocket.push_back(turned[next++]);
+    pocket.push_back(turned[next % turned.size()]);
+    const bool faces_nadir = Cross(pocket.front() - nadir, pocket.back() - pocket.front()) < 0.0;
+    const bool is_opening = pocket.size() > 2 && faces_nadir && IsUnderRoof(pocket, all, height_m);
+    closed.insert(closed.end(), pocket.begin(), is_opening ? pocket.begin() + 1 : pocket.end() - 1);
+    i = next;
+  }
+  return closed;
+}
+
 }  // namespace
 
 double GroundSampling_m(const Silhouette& s) {
@@ -192,7 +217,7 @@ Ring CloseOpenings(Ring ring, const Silhouette& silhouette, const std::vector<Si
       sides = 2;
     }
   }
-  return ring;
+  return ClosePockets(ring, nadir, all, height_m);
 }
 
 std::vector<double> HeightsOfUprightSides(const Silhouette& silhouette) {

@@ -91,12 +91,20 @@ PrismFit FitAt(const std::vector<Silhouette>& silhouettes, const HeightPrior& pr
 std::vector<double> FindHeights(const std::vector<Silhouette>& silhouettes, double ceiling_m) {
   constexpr double kLowestRatio = 0.04;
   constexpr double kFactor = 1.3;
+  constexpr double kAgreeRatio = 0.25;
   std::vector<double> heights;
   for (const Silhouette& s : silhouettes) {
     if (s.outline.is_cut) continue;
     for (const double height_m : HeightsOfUprightSides(s)) {
       if (height_m < ceiling_m) heights.push_back(height_m);
     }
+  }
+  if (silhouettes.size() == 1) {  // One upright edge may be another side by chance; a building shows two.
+    const std::vector<double> all = heights;
+    std::erase_if(heights, [&](double h) {
+      return std::count_if(all.begin(), all.end(),
+                           [h](double o) { return std::abs(o - h) < kAgreeRatio * h; }) < 2;
+    });
   }
   if (silhouettes.size() > 1) {
     for (double h = kLowestRatio * ceiling_m; h < ceiling_m; h *= kFactor) heights.push_back(h);

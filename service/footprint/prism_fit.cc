@@ -492,8 +492,10 @@ class Fitter {
   double cost_ = std::numeric_limits<double>::infinity();
 };
 
-/// Standard deviations within which outlines lie at first: poses and starts are off.
+/// Standard deviations within which outlines lie at first: poses and starts are off. What was carved from the
+/// only silhouette lies in it, and must not be drawn away by openings that are near.
 double FirstScale(const std::vector<Silhouette>& silhouettes) {
+  if (silhouettes.size() == 1) return kFarthest;
   constexpr double kStart_px = 8.0;
   double most_px = 0.0;
   for (const Silhouette& s : silhouettes) {
