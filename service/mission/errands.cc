@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/mission/course.h"
 #include "service/mission/transit.h"
 #include "shared/result/say.h"
 
@@ -41,10 +42,10 @@ void Errands::GoHome() {
 }
 
 void Errands::GoToEntry(const Corridor& corridor) {
-  const bool is_there =
-      m_.look_place && (m_.vehicle->position_in_map_m - *m_.look_place).norm() < kSamePlace_m;
+  const Eigen::Vector3d place = PlaceOfLookAlong(corridor, m_).value_or(corridor.entry_in_map_m);
+  const bool is_there = (m_.vehicle->position_in_map_m - place).norm() < kSamePlace_m;
   std::vector<Eigen::Vector3d> path;
-  if (m_.look_place && !is_there) path = WayTo(*m_.look_place);
+  if (!is_there) path = WayTo(place);
   path.push_back(corridor.entry_in_map_m);
   Send(FlyTo(CommandKind::kGoTo, std::move(path), HeadingOf(corridor), options_.corridor_speed_mps));
 }

@@ -325,8 +325,7 @@ class Conductor {
     m_.views.erase(m_.views.begin());
     m_.viewed.push_back(view);
     if (m_.status.step != MissionStep::kLookAgain || !m_.leave) return;
-    m_.looked_along.emplace_back(m_.leave->object_id, m_.leave->side);
-    m_.look_place = view.position_in_map_m;
+    m_.looked_along.push_back(view.position_in_map_m);
   }
 
   void Fail(const std::string& why) {
@@ -508,7 +507,7 @@ class Conductor {
     const std::int64_t valid_until_utc_ns = m_.findings_utc_ns + ToNanoseconds(options_.permit_valid_s);
     if (now_ > valid_until_utc_ns && !m_.is_in_corridor) {
       Note("the decision has expired: looking again");
-      std::erase(m_.looked_along, std::make_pair(leave.object_id, leave.side));
+      if (const auto place = PlaceOfLookAlong(corridor, m_)) std::erase(m_.looked_along, *place);
       return LookAlong(leave);
     }
     Tell(Say("flying through building ", leave.object_id, ": ", corridor.free_width_m, " m wide, ",

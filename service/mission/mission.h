@@ -172,9 +172,8 @@ struct Mission {
   std::vector<Viewpoint> viewed;       ///< Looked at so far.
   std::uint32_t looked_around_id = 0;  ///< The building whose surroundings were looked at from above.
   int more_views_used = 0;
-  std::vector<std::pair<std::uint32_t, int>> looked_along;  ///< Object and side of corridors.
+  std::vector<Eigen::Vector3d> looked_along;  ///< Places from which corridors were looked along.
   std::optional<ClearanceDecision> leave;     ///< The decision whose corridor is looked along or flown.
-  std::optional<Eigen::Vector3d> look_place;  ///< From where its entry is reached in a straight line.
   bool is_at_entry = false;
   bool is_in_corridor = false;                     ///< From the moment that the vehicle accepted to fly it.
   MissionOutcome outcome = MissionOutcome::kNone;  ///< What it will end with.

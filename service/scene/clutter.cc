@@ -7,7 +7,9 @@
 namespace soffit {
 namespace {
 
-constexpr double kDownward = -0.9;  // Of the optical axis' rise.
+constexpr double kDownward = -0.9;     // Of the optical axis' rise.
+constexpr double kBeside_m = 0.15;     // From a building, seen or modelled: its edges are known no better.
+constexpr double kPoseSigmas = 3.0;
 
 }  // namespace
 
@@ -15,17 +17,23 @@ std::vector<Obstacle> FindClutter(const Sight& sight, const Prediction& predicti
   const Pose<Map, Camera>& pose = sight.view.map_from_camera;
   if (!((pose.rotation * Eigen::Vector3d::UnitZ()).z() < kDownward)) return {};
   cv::Mat1b is_strange(sight.seen.size(), uchar{0});
+  cv::Mat1b is_building(sight.seen.size(), uchar{0});
   for (int y = sight.shown.y; y < sight.shown.br().y; ++y) {
     for (int x = sight.shown.x; x < sight.shown.br().x; ++x) {
-      const bool is_strange_here = sight.seen(y, x) == static_cast<uchar>(Seen::kUnexplained) &&
-                                   prediction.label(y, x) == static_cast<uchar>(Seen::kGround);
-      is_strange(y, x) = is_strange_here ? 255 : 0;
+      const bool is_predicted = prediction.label(y, x) == static_cast<uchar>(Seen::kStructure);
+      is_building(y, x) = is_predicted || sight.seen(y, x) == static_cast<uchar>(Seen::kStructure) ? 255 : 0;
+      is_strange(y, x) = sight.seen(y, x) == static_cast<uchar>(Seen::kUnexplained) && !is_predicted ? 255 : 0;
     }
   }
   const double metre_px = sight.view.intrinsics.fx_px / std::max(0.1, pose.translation_m.z());
-  const int thinnest_px = std::max(2, static_cast<int>(std::lround(kThinnest_m * metre_px)));
-  cv::morphologyEx(is_strange, is_strange, cv::MORPH_OPEN,
-                   cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(thinnest_px, thinnest_px)));
+  const double std_m = sight.view.position_std_m + pose.translation_m.z() * sight.view.orientation_std_rad;
+  const auto disc = [&](double radius_m) {
+    const int radius_px = std::max(1, static_cast<int>(std::lround(radius_m * metre_px)));
+    return cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * radius_px + 1, 2 * radius_px + 1));
+  };
+  cv::dilate(is_building, is_building, disc(kBeside_m + kPoseSigmas * std_m));
+  is_strange.setTo(0, is_building);
+  cv::morphologyEx(is_strange, is_strange, cv::MORPH_OPEN, disc(0.5 * kThinnest_m + kPoseSigmas * std_m));
   cv::Mat1i component;
   cv::Mat stats, centers;
   const int count = cv::connectedComponentsWithStats(is_strange, component, stats, centers, 8, CV_32S);
@@ -39,7 +47,7 @@ std::vector<Obstacle> FindClutter(const Sight& sight, const Prediction& predicti
     Obstacle thing;
     thing.base_in_map_m = {place->x(), place->y(), 0.0};
     thing.radius_m = (*corner - *place).norm();
-    thing.std_m = sight.view.position_std_m + pose.translation_m.z() * sight.view.orientation_std_rad;
+    thing.std_m = std_m;
     thing.captures = {sight.capture_id};
     clutter.push_back(std::move(thing));
   }

@@ -65,13 +65,18 @@ Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::M
                    const Eigen::AlignedBox2d& region)
     : capture_id_(sight.capture_id), view_(sight.view), camera_from_map_(sight.view.map_from_camera.Inverse()) {
   SOFFIT_EXPECT(sight.seen.size() == prediction.label.size() && confirmed.size() == prediction.label.size());
+  is_doubtful_ = cv::Mat1b(sight.seen.size(), uchar{0});
   Compare(sight, prediction);
   FindThings(sight, prediction);
-  DoubtUnconfirmedGround(prediction, confirmed, region);
+  NoteUnconfirmedGround(prediction, confirmed, region);
   cv::Mat1f least;
   cv::erode(reach_m_, least, Square(kEdge_px));
   reach_m_ = least;
   cv::integral(fails_, fail_sum_, CV_32S);
+  cv::integral(is_doubtful_, doubt_sum_, CV_32S);
+  cv::Mat1b is_ground;
+  cv::threshold(Only(prediction.label, Seen::kGround), is_ground, 0.0, 1.0, cv::THRESH_BINARY);
+  cv::integral(is_ground, ground_sum_, CV_32S);
 }
 
 void Evidence::Compare(const Sight& sight, const Prediction& prediction) {
@@ -131,8 +136,8 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
   }
 }
 
-void Evidence::DoubtUnconfirmedGround(const Prediction& prediction, const cv::Mat1b& confirmed,
-                                      const Eigen::AlignedBox2d& region) {
+void Evidence::NoteUnconfirmedGround(const Prediction& prediction, const cv::Mat1b& confirmed,
+                                     const Eigen::AlignedBox2d& region) {
   const Intrinsics& k = view_.intrinsics;
   const Eigen::Matrix3d rotation = view_.map_from_camera.rotation.toRotationMatrix();
   for (int y = 0; y < fails_.rows; ++y) {
@@ -140,7 +145,7 @@ void Evidence::DoubtUnconfirmedGround(const Prediction& prediction, const cv::Ma
       if (prediction.label(y, x) != static_cast<uchar>(Seen::kGround) || confirmed(y, x) != 0) continue;
       const Eigen::Vector3d in_camera((x - k.cx_px) / k.fx_px, (y - k.cy_px) / k.fy_px, 1.0);
       const Eigen::Vector3d place = camera_in_map_m() + rotation * (prediction.depth_m(y, x) * in_camera);
-      if (region.contains(place.head<2>())) fails_(y, x) = 1;
+      if (region.contains(place.head<2>())) is_doubtful_(y, x) = 1;
     }
   }
 }
@@ -156,29 +161,31 @@ bool Evidence::ShowsThingAt(const Eigen::Vector3d& point_in_map_m) const {
   return thing.far_m > 0.0F && p.z() >= thing.near_m && p.z() <= thing.far_m;
 }
 
-bool Evidence::SeesThrough(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
+Evidence::Sees Evidence::SeeThrough(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
   const Eigen::Vector3d p = (camera_from_map_ * Point<Map>{center_in_map_m}).xyz_m;
-  if (p.z() <= 2.0 * radius_m) return false;
+  if (p.z() <= 2.0 * radius_m) return Sees::kNothing;
   const Intrinsics& k = view_.intrinsics;
   const double x = k.fx_px * p.x() / p.z() + k.cx_px;
   const double y = k.fy_px * p.y() / p.z() + k.cy_px;
   const double half_x = k.fx_px * radius_m / (p.z() - radius_m);
   const double half_y = k.fy_px * radius_m / (p.z() - radius_m);
   if (!(x - half_x >= 0.0 && y - half_y >= 0.0 && x + half_x <= fails_.cols - 1 && y + half_y <= fails_.rows - 1)) {
-    return false;
+    return Sees::kNothing;
   }
   const int x0 = static_cast<int>(std::floor(x - half_x)), x1 = static_cast<int>(std::ceil(x + half_x));
   const int y0 = static_cast<int>(std::floor(y - half_y)), y1 = static_cast<int>(std::ceil(y + half_y));
-  const int failed =
-      fail_sum_(y1 + 1, x1 + 1) - fail_sum_(y0, x1 + 1) - fail_sum_(y1 + 1, x0) + fail_sum_(y0, x0);
-  if (failed > 0) return false;
+  const auto count = [&](const cv::Mat1i& sum) {
+    return sum(y1 + 1, x1 + 1) - sum(y0, x1 + 1) - sum(y1 + 1, x0) + sum(y0, x0);
+  };
+  if (count(fail_sum_) > 0) return Sees::kNothing;
   const float beyond = static_cast<float>(p.z() - 0.5 * radius_m);
   for (const int row : {y0, (y0 + y1) / 2, y1}) {
     for (const int column : {x0, (x0 + x1) / 2, x1}) {
-      if (reach_m_(row, column) < beyond) return false;
+      if (reach_m_(row, column) < beyond) return Sees::kNothing;
     }
   }
-  return true;
+  if (count(doubt_sum_) > 0) return Sees::kPerhaps;
+  return count(ground_sum_) > 0 ? Sees::kLikely : Sees::kSure;
 }
 
 }  // namespace soffit

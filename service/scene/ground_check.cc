@@ -13,7 +13,7 @@ namespace {
 constexpr int kMaxWidth_px = 800;       // Pictures are compared at no more.
 constexpr double kLevels = 60.0;        // Per unit of the natural logarithm of brightness: 8 bits hold all of it.
 constexpr double kDarkest = 4.0;        // Added to a brightness of 0 to 255, so that noise in the dark weighs less.
-constexpr int kMaxDispute = 18;         // Levels: 0.30 of the logarithm.
+constexpr int kMaxDispute = 13;         // Levels: 0.22 of the logarithm.
 constexpr int kMinDisputed_px = 5;      // Of the 25 about a pixel: single ones are noise, a rope makes a line.
 constexpr int kMinCommon_px = 400;      // That two pictures must share to be compared.
 constexpr std::array<int, 4> kReaches_px = {2, 4, 8, 14};  // By which two pictures may lie beside each other; worse

@@ -13,7 +13,8 @@
 namespace soffit {
 namespace {
 
-constexpr double kOtherDirection = 0.985;  // Cosine (10 degrees).
+constexpr double kOtherDirection = 0.985;      // Cosine (10 degrees).
+constexpr double kVeryOtherDirection = 0.766;  // Cosine (40 degrees).
 constexpr std::size_t kMinThing = 8;        // Voxels: smaller groups are noise.
 
 /// The space that is mapped: whole voxels, aligned as OctoMap aligns them.
@@ -170,18 +171,41 @@ void FillSolids(const Scene& scene, Voxels& voxels) {
   }
 }
 
-/// Two pictures from different directions show something there that the model does not have.
-bool IsThing(const std::vector<Evidence>& pictures, const Eigen::Vector3d& center) {
-  std::vector<Eigen::Vector3d> directions;
-  for (const Evidence& picture : pictures) {
-    if (!picture.ShowsThingAt(center)) continue;
-    const Eigen::Vector3d direction = (picture.camera_in_map_m() - center).normalized();
-    for (const Eigen::Vector3d& other : directions) {
-      if (direction.dot(other) < kOtherDirection) return true;
-    }
-    directions.push_back(direction);
+/// Cosine of the widest angle between the directions from which pictures see a place; 1 for less than two.
+class Directions {
+ public:
+  explicit Directions(const Eigen::Vector3d& place) : place_(place) {}
+
+  void Add(const Evidence& picture) {
+    const Eigen::Vector3d direction = (picture.camera_in_map_m() - place_).normalized();
+    for (const Eigen::Vector3d& other : all_) least_cosine_ = std::min(least_cosine_, direction.dot(other));
+    all_.push_back(direction);
   }
-  return false;
+  double least_cosine() const { return least_cosine_; }
+  bool empty() const { return all_.empty(); }
+
+ private:
+  Eigen::Vector3d place_;
+  std::vector<Eigen::Vector3d> all_;
+  double least_cosine_ = 1.0;
+};
+
+/// What is surely free is free. A thing that two pictures show from different directions outweighs what is likely free;
+/// what is perhaps free takes two pictures from very different directions, and none that shows a thing.
+Voxel Judge(const std::vector<Evidence>& pictures, const Eigen::Vector3d& center, double radius_m) {
+  Directions perhaps(center);
+  Directions thing(center);
+  bool is_likely_free = false;
+  for (const Evidence& picture : pictures) {
+    const Evidence::Sees sees = picture.SeeThrough(center, radius_m);
+    if (sees == Evidence::Sees::kSure) return Voxel::kFree;
+    is_likely_free = is_likely_free || sees == Evidence::Sees::kLikely;
+    if (sees == Evidence::Sees::kPerhaps) perhaps.Add(picture);
+    if (sees == Evidence::Sees::kNothing && picture.ShowsThingAt(center)) thing.Add(picture);
+  }
+  if (thing.least_cosine() < kOtherDirection) return Voxel::kThing;
+  const bool is_free = is_likely_free || (thing.empty() && perhaps.least_cosine() < kVeryOtherDirection);
+  return is_free ? Voxel::kFree : Voxel::kUnknown;
 }
 
 Voxels MapSpace(const Scene& scene, const std::vector<Evidence>& pictures, const SceneOptions& options) {
@@ -189,14 +213,8 @@ Voxels MapSpace(const Scene& scene, const std::vector<Evidence>& pictures, const
   FillSolids(scene, voxels);
   const double radius = 0.5 * std::sqrt(3.0) * voxels.grid.voxel_m;
   ForEach(voxels.grid, [&](const Index& at) {
-    if (voxels.At(at) == Voxel::kSolid) return;
-    const Eigen::Vector3d center = voxels.grid.Center(at[0], at[1], at[2]);
-    const auto sees_through = [&](const Evidence& picture) { return picture.SeesThrough(center, radius); };
-    if (std::any_of(pictures.begin(), pictures.end(), sees_through)) {
-      voxels.At(at) = Voxel::kFree;
-    } else if (IsThing(pictures, center)) {
-      voxels.At(at) = Voxel::kThing;
-    }
+    Voxel& state = voxels.At(at);
+    if (state != Voxel::kSolid) state = Judge(pictures, voxels.grid.Center(at[0], at[1], at[2]), radius);
   });
   return voxels;
 }

@@ -76,9 +76,10 @@ int Run(const Order& order) {
       const std::filesystem::path folder = order.out.empty() ? "" : order.out / world.name;
       const RehearsalResult result = Rehearse(world, seed, {}, {}, folder);
       const std::lock_guard lock(printing);
-      std::printf("%-12s %-5s %-24s %-10s %-18s %2d pictures, least %5.2f m  %s\n", world.name.c_str(),
+      std::printf("%-12s %-5s %-24s %-10s %-18s %2d pictures, least %5.2f m (%s)  %s%s\n", world.name.c_str(),
                   result.IsRight() ? "ok" : "WRONG", KindOf(world).c_str(), sim::ToString(result.expected),
-                  ToString(result.outcome), result.pictures, result.least_distance_m, result.message.c_str());
+                  ToString(result.outcome), result.pictures, result.least_distance_m, result.nearest.c_str(),
+                  result.first_contact.c_str(), result.message.c_str());
       std::fflush(stdout);
       Add(result, all);
       Add(result, kinds[KindOf(world)]);

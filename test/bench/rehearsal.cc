@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 
 #include "service/edge/files/survey.h"
 #include "service/edge/live/findings.h"
@@ -92,6 +93,12 @@ class Rehearsal {
     result.message = mission_.status.message;
     result.pictures = static_cast<int>(captures_.size());
     result.contacts = static_cast<int>(recorder_.contacts().size());
+    if (!recorder_.contacts().empty()) {
+      const sim::Contact& contact = recorder_.contacts().front();
+      std::ostringstream text;
+      text << "touched " << contact.with << " at " << contact.position_m.transpose() << "; ";
+      result.first_contact = text.str();
+    }
     const nlohmann::json flight = recorder_.ToJson();
     result.was_passage_flown = flight["passage_flown"].get<bool>();
     for (const sim::FlightUnder& under : recorder_.flights_under())

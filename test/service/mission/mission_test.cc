@@ -223,6 +223,29 @@ TEST(Advance, EntersOnlyWithLeaveForThisVehicleAndTheNewestScene) {
   EXPECT_NEAR(corridor->yaw_rad, M_PI / 2.0, 1e-9);
 }
 
+TEST(Advance, LooksAlongTheCorridorThatItFliesThoughTheWallsAreNumberedAnew) {
+  const Eigen::Vector3d entry(-3.0, 7.0, 0.8);
+  const Eigen::Vector3d exit(3.0, 7.0, 0.8);
+  Flight flight;
+  flight.look = [&](Findings& findings) {  // After the first look the same side is another wall.
+    if (flight.CountLooks(Purpose::kCorridor) == 0) return;
+    for (ClearanceDecision& decision : findings.decisions) {
+      decision.corridor->entry_in_map_m = entry;
+      decision.corridor->exit_in_map_m = exit;
+    }
+  };
+  flight.Run();
+  EXPECT_EQ(flight.CountLooks(Purpose::kCorridor), 2);
+  Eigen::Vector3d looked_from = Eigen::Vector3d::Zero();
+  for (const FlightCommand& command : flight.sent) {
+    if (command.purpose == Purpose::kCorridor) looked_from = command.path_in_map_m.back();
+    if (command.kind != CommandKind::kFlyCorridor) continue;
+    EXPECT_EQ(command.path_in_map_m.front(), entry);
+    EXPECT_NEAR(looked_from.y(), entry.y(), 0.3);
+    EXPECT_LT(looked_from.x(), entry.x());
+  }
+}
+
 TEST(Advance, TransitsAboveEverythingKnown) {
   Flight flight;
   flight.Run();
