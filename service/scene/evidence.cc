@@ -13,7 +13,7 @@ constexpr int kMisfit_px = 6;         // Contradictions that stay so close to a 
 constexpr int kMostMisfit_px = 40;
 constexpr double kMisfitSigmas = 2.0;
 constexpr int kMinThing_px = 20;
-constexpr int kMinCovered_px = 12;    // Of the model, beyond a misfit: less does not tell that a thing is before it.
+constexpr int kMinCovered_px = 12;    // Of the model: less does not tell that a thing is before it.
 constexpr double kFootShare = 0.12;   // Of the depth of a thing's foot: how well it is known.
 
 cv::Mat Square(int reach) { return cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * reach + 1, 2 * reach + 1)); }
@@ -100,7 +100,9 @@ void Evidence::Compare(const Sight& sight, const Prediction& prediction) {
 /// covers, and where it meets the ground.
 void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
   cv::Mat stats, centers;
-  const int count = cv::connectedComponentsWithStats(fails_, component_, stats, centers, 8, CV_32S);
+  cv::Mat1b is_strange = fails_.clone();
+  is_strange.setTo(0, near_edge_);
+  const int count = cv::connectedComponentsWithStats(is_strange, component_, stats, centers, 8, CV_32S);
   struct Trace {
     std::vector<float> covered_m;   ///< Depths of the model that it covers.
     int foot_y = -1;
@@ -112,7 +114,7 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
       if (component_(y, x) == 0) continue;
       Trace& trace = traces[static_cast<std::size_t>(component_(y, x))];
       const bool is_on_model = prediction.label(y, x) == static_cast<uchar>(Seen::kStructure);
-      if (is_on_model && near_edge_(y, x) == 0) trace.covered_m.push_back(prediction.depth_m(y, x));
+      if (is_on_model) trace.covered_m.push_back(prediction.depth_m(y, x));
       const bool is_on_ground = y + 1 < component_.rows && sight.seen(y + 1, x) == static_cast<uchar>(Seen::kGround);
       if (is_on_ground) trace.foot_y = y, trace.foot_x = x;
     }

@@ -35,7 +35,7 @@ class Evidence {
   std::uint32_t capture_id() const { return capture_id_; }
 
  private:
-  /// A connected part of the picture that the model does not explain, with the depths between which it may be.
+  /// A connected part of the picture that neither the model nor a misfit of its edges explains, with the depths between which it may be.
   struct Thing {
     float near_m = 0.0F;
     float far_m = 0.0F;   ///< 0: it may be anywhere.

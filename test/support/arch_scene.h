@@ -67,11 +67,11 @@ inline Understanding ArchUnderstanding() {
   SolidOpening south;
   south.wall = 0;
   south.polygon_in_map_m = {{1.2, 0, 0}, {2.8, 0, 0}, {2.8, 0, 1.4}, {1.2, 0, 1.4}};
-  south.is_through = south.shows_background = true;
+  south.is_through = true;
   SolidOpening north;
   north.wall = 2;
   north.polygon_in_map_m = {{2.8, 1.5, 0}, {1.2, 1.5, 0}, {1.2, 1.5, 1.4}, {2.8, 1.5, 1.4}};
-  north.is_through = north.shows_background = true;
+  north.is_through = true;
   solid.openings = {south, north};
   all.scene.solids = {solid};
 
