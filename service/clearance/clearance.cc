@@ -7,8 +7,8 @@
 
 #include "service/clearance/contact.h"
 #include "service/clearance/look.h"
-#include "service/scene/sweep.h"
 #include "service/facade/wall.h"
+#include "service/scene/sweep.h"
 
 namespace soffit {
 namespace {
@@ -36,7 +36,8 @@ double Turn(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vec
   return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
 }
 
-bool Crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Eigen::Vector2d& d) {
+bool Crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
+             const Eigen::Vector2d& d) {
   return Turn(a, b, c) * Turn(a, b, d) < 0.0 && Turn(c, d, a) * Turn(c, d, b) < 0.0;
 }
 
@@ -116,7 +117,8 @@ ClearanceDecision Judge::WithoutPassage() const {
     const Wall wall = WallOf(polygon.outer, opening.wall);
     const auto way = FindWayOut(polygon, opening.wall, wall.U(MiddleOf(opening).head<2>()));
     if (way && is_unseen(way->side)) {
-      decision.reason = "wall " + std::to_string(opening.wall) + " has an opening, the wall opposite was not seen";
+      decision.reason =
+          "wall " + std::to_string(opening.wall) + " has an opening, the wall opposite was not seen";
       decision.wanted = LookAtWall(way->side);
       return decision;
     }
@@ -126,7 +128,8 @@ ClearanceDecision Judge::WithoutPassage() const {
     if (wall.width_m < vehicle.NeededWidth_m()) continue;
     const auto way = FindWayOut(polygon, side, 0.5 * wall.width_m);
     if (!way || !is_unseen(way->side)) continue;
-    decision.reason = "walls " + std::to_string(side) + " and " + std::to_string(way->side) + " were not seen";
+    decision.reason =
+        "walls " + std::to_string(side) + " and " + std::to_string(way->side) + " were not seen";
     decision.wanted = LookAtWall(side);
     return decision;
   }
@@ -135,7 +138,8 @@ ClearanceDecision Judge::WithoutPassage() const {
   return decision;
 }
 
-/// Other buildings are known by their outlines alone, and taken to be without openings and as high as the sky.
+/// Other buildings are known by their outlines alone, and taken to be without openings and as high as the
+/// sky.
 std::optional<std::string> Judge::FindNeighbourInTheWay(const Corridor& corridor) const {
   const double keep_m = vehicle.radius_m + vehicle.safety_margin_m;
   const Eigen::Vector2d from = corridor.entry_in_map_m.head<2>();
@@ -146,7 +150,8 @@ std::optional<std::string> Judge::FindNeighbourInTheWay(const Corridor& corridor
     bool meets = Contains(ring, from) || Contains(ring, to);
     for (std::size_t i = 0; i < ring.size() && !meets; ++i) {
       const Eigen::Vector2d& next = ring[(i + 1) % ring.size()];
-      meets = DistanceToSegment(ring[i], from, to) < keep_m || DistanceToSegment(from, ring[i], next) < keep_m ||
+      meets = DistanceToSegment(ring[i], from, to) < keep_m ||
+              DistanceToSegment(from, ring[i], next) < keep_m ||
               DistanceToSegment(to, ring[i], next) < keep_m || Crosses(from, to, ring[i], next);
     }
     if (meets) return "building " + std::to_string(object.footprint.object_id) + " stands in the way";
@@ -196,15 +201,18 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
   const double side_margin = std::min(decision.margin_left_m, decision.margin_right_m);
   const double height_margin = std::min(decision.margin_up_m, decision.margin_down_m);
   if (!(side_margin >= 0.0) || !(height_margin >= -kTiny_m)) {
-    decision.reason = "too close to call: " + InMetres(spare_width) + " to spare in width, " + InMetres(spare_height) +
-                      " in height, worst margin " + InMetres(std::min(side_margin, height_margin)) + because;
+    decision.reason = "too close to call: " + InMetres(spare_width) + " to spare in width, " +
+                      InMetres(spare_height) + " in height, worst margin " +
+                      InMetres(std::min(side_margin, height_margin)) + because;
     decision.wanted = LookAlong(corridor);
     return decision;
   }
-  const Prism swept = SweepCylinder(from, to, radius + slack, bottom - (stands_on_ground ? 0.0 : slack), top + slack);
+  const Prism swept =
+      SweepCylinder(from, to, radius + slack, bottom - (stands_on_ground ? 0.0 : slack), top + slack);
   for (const Solid& other : scene.solids) {
     if (!Meets(other.mesh, swept)) continue;
-    decision.reason = "the model of building " + std::to_string(other.footprint.object_id) + " reaches into the corridor";
+    decision.reason =
+        "the model of building " + std::to_string(other.footprint.object_id) + " reaches into the corridor";
     decision.wanted = LookAlong(corridor);
     return decision;
   }
@@ -217,13 +225,15 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
     std::ostringstream text;
     text.precision(3);
     text << 100.0 * decision.seen_ratio << " % of the corridor was seen free";
-    if (!sweep.unknown_m.empty()) text << ", not so at " << Place(sweep.unknown_m[sweep.unknown_m.size() / 2]);
+    if (!sweep.unknown_m.empty())
+      text << ", not so at " << Place(sweep.unknown_m[sweep.unknown_m.size() / 2]);
     decision.reason = text.str();
     decision.wanted = PlanLook(scene, corridor, sweep.unknown_m, sights, vehicle);
     return decision;
   }
   decision.verdict = Verdict::kClear;
-  decision.reason = "free: " + InMetres(corridor.free_width_m) + " wide, " + InMetres(corridor.free_height_m) + " high";
+  decision.reason =
+      "free: " + InMetres(corridor.free_width_m) + " wide, " + InMetres(corridor.free_height_m) + " high";
   return decision;
 }
 
@@ -249,8 +259,10 @@ const char* ToString(Verdict verdict) {
 }
 
 std::vector<ClearanceDecision> JudgeClearance(const Scene& scene, std::uint32_t object_id,
-                                              const std::vector<Corridor>& corridors, const std::vector<Sight>& sights,
-                                              const VehicleEnvelope& vehicle, const ClearanceOptions& options) {
+                                              const std::vector<Corridor>& corridors,
+                                              const std::vector<Sight>& sights,
+                                              const VehicleEnvelope& vehicle,
+                                              const ClearanceOptions& options) {
   SOFFIT_EXPECT(IsValid(vehicle));
   SOFFIT_EXPECT(IsValidOptions(options));
   SOFFIT_EXPECT(scene.octree != nullptr);

@@ -8,19 +8,20 @@
 namespace soffit {
 namespace {
 
-constexpr std::size_t kMaxPlaces = 60;        // Of the unknown ones, evenly taken: more tell no more.
-constexpr double kSameDirection = 0.9945;     // Cosine (6 degrees).
-constexpr double kInPicture = 0.94;           // Of the picture's half width and height.
-constexpr std::array<double, 4> kBack = {0.2, 1.0, 2.0, 3.5};        // Metres behind the corridor's end.
-constexpr std::array<double, 5> kAside = {0.0, -0.3, 0.3, -0.7, 0.7};  // Of the distance from the corridor's middle.
+constexpr std::size_t kMaxPlaces = 60;     // Of the unknown ones, evenly taken: more tell no more.
+constexpr double kSameDirection = 0.9945;  // Cosine (6 degrees).
+constexpr double kInPicture = 0.94;        // Of the picture's half width and height.
+constexpr std::array<double, 4> kBack = {0.2, 1.0, 2.0, 3.5};  // Metres behind the corridor's end.
+constexpr std::array<double, 5> kAside = {0.0, -0.3, 0.3, -0.7,
+                                          0.7};  // Of the distance from the corridor's middle.
 constexpr double kBeforeModel = 1.0;
 constexpr double kBeforeGround = 0.8;
 constexpr double kBeforeSky = 0.6;
-constexpr double kLeastAltitude_m = 0.6;      // Of the vehicle's centre, beside what its envelope needs.
+constexpr double kLeastAltitude_m = 0.6;  // Of the vehicle's centre, beside what its envelope needs.
 
 /// Share of the way from `from` to `to` and beyond at which a triangle is met; infinite when it is not.
-double Meet(const Eigen::Vector3d& from, const Eigen::Vector3d& way, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-            const Eigen::Vector3d& c) {
+double Meet(const Eigen::Vector3d& from, const Eigen::Vector3d& way, const Eigen::Vector3d& a,
+            const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const Eigen::Vector3d ab = b - a, ac = c - a;
   const Eigen::Vector3d p = way.cross(ac);
@@ -41,7 +42,8 @@ class Lookout {
       : scene_(scene), sights_(sights), vehicle_(vehicle) {}
 
   /// How much a picture from `place` along `forward` would tell of the places.
-  double Score(const Eigen::Vector3d& place, const Eigen::Vector2d& forward, const std::vector<Eigen::Vector3d>& unknown_m) const {
+  double Score(const Eigen::Vector3d& place, const Eigen::Vector2d& forward,
+               const std::vector<Eigen::Vector3d>& unknown_m) const {
     double score = 0.0;
     for (const Eigen::Vector3d& point : unknown_m) {
       if (IsInPicture(place, forward, point) && IsNew(place, point)) score += Background(place, point);
@@ -58,14 +60,16 @@ class Lookout {
     };
     const bool is_clear = std::none_of(scene_.obstacles.begin(), scene_.obstacles.end(), is_near) &&
                           std::none_of(scene_.clutter.begin(), scene_.clutter.end(), is_near);
-    return is_clear && std::all_of(scene_.objects.begin(), scene_.objects.end(), [&](const SceneObject& object) {
+    return is_clear &&
+           std::all_of(scene_.objects.begin(), scene_.objects.end(), [&](const SceneObject& object) {
              const Ring& ring = object.footprint.polygon_in_map_m.outer;
              return !Contains(ring, plan) && DistanceToRing(plan, ring) >= keep_m;
            });
   }
 
  private:
-  bool IsInPicture(const Eigen::Vector3d& place, const Eigen::Vector2d& forward, const Eigen::Vector3d& point) const {
+  bool IsInPicture(const Eigen::Vector3d& place, const Eigen::Vector2d& forward,
+                   const Eigen::Vector3d& point) const {
     const Intrinsics& k = sights_.front().view.intrinsics;
     const Eigen::Vector3d way = point - place;
     const double depth = way.head<2>().dot(forward);
@@ -87,8 +91,9 @@ class Lookout {
     for (const Solid& solid : scene_.solids) {
       const auto& p = solid.mesh.vertices_in_map_m;
       for (const std::array<int, 3>& t : solid.mesh.triangles) {
-        nearest = std::min(nearest, Meet(place, way, p[static_cast<std::size_t>(t[0])], p[static_cast<std::size_t>(t[1])],
-                                         p[static_cast<std::size_t>(t[2])]));
+        nearest =
+            std::min(nearest, Meet(place, way, p[static_cast<std::size_t>(t[0])],
+                                   p[static_cast<std::size_t>(t[1])], p[static_cast<std::size_t>(t[2])]));
       }
     }
     if (nearest <= 1.0) return 0.0;
@@ -112,15 +117,16 @@ std::vector<Eigen::Vector3d> Thin(const std::vector<Eigen::Vector3d>& places) {
 }  // namespace
 
 std::optional<Viewpoint> PlanLook(const Scene& scene, const Corridor& corridor,
-                                  const std::vector<Eigen::Vector3d>& unknown_m, const std::vector<Sight>& sights,
-                                  const VehicleEnvelope& vehicle) {
+                                  const std::vector<Eigen::Vector3d>& unknown_m,
+                                  const std::vector<Sight>& sights, const VehicleEnvelope& vehicle) {
   if (sights.empty() || unknown_m.empty()) return std::nullopt;
   const Lookout lookout(scene, sights, vehicle);
   const std::vector<Eigen::Vector3d> places = Thin(unknown_m);
   Eigen::Vector3d aim = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& place : places) aim += place / static_cast<double>(places.size());
   const Eigen::Vector3d middle = 0.5 * (corridor.entry_in_map_m + corridor.exit_in_map_m);
-  const double lowest_m = 0.5 * vehicle.NeededHeight_m() + std::min(kLeastAltitude_m, vehicle.safety_margin_m);
+  const double lowest_m =
+      0.5 * vehicle.NeededHeight_m() + std::min(kLeastAltitude_m, vehicle.safety_margin_m);
   const double flown_m = corridor.entry_in_map_m.z();
   const double top_m = corridor.floor_m + corridor.free_height_m;
   const std::array<double, 4> heights = {flown_m, lowest_m, std::max(lowest_m, top_m - 0.1), top_m + 0.5};
@@ -141,7 +147,12 @@ std::optional<Viewpoint> PlanLook(const Scene& scene, const Corridor& corridor,
           const double score = lookout.Score(place, forward, places);
           if (score <= best_score + 1e-9) continue;
           best_score = score;
-          best = Viewpoint{Purpose::kCorridor, place, std::atan2(forward.y(), forward.x()), 0.0, corridor.object_id, -1,
+          best = Viewpoint{Purpose::kCorridor,
+                           place,
+                           std::atan2(forward.y(), forward.x()),
+                           0.0,
+                           corridor.object_id,
+                           -1,
                            "the parts of the corridor that were not seen to be free"};
         }
       }

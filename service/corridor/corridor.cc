@@ -12,8 +12,8 @@
 namespace soffit {
 namespace {
 
-constexpr int kLineSteps = 4;            // Places that are tried on either side of the middle.
-constexpr double kKeptSigmas = 4.0;      // Kept on all sides off the middle: more than a decision asks for.
+constexpr int kLineSteps = 4;             // Places that are tried on either side of the middle.
+constexpr double kKeptSigmas = 4.0;       // Kept on all sides off the middle: more than a decision asks for.
 constexpr double kFlat = 0.10;            // Of the needed height.
 constexpr std::size_t kMaxObstacles = 5;  // In one passage; the nearest to its axis count.
 
@@ -28,7 +28,8 @@ Ring Clip(const Ring& ring, const Eigen::Vector2d& direction, double limit) {
     const double in_a = limit - direction.dot(a);
     const double in_b = limit - direction.dot(b);
     if (in_a >= 0.0) kept.push_back(a);
-    if ((in_a > 0.0 && in_b < 0.0) || (in_a < 0.0 && in_b > 0.0)) kept.push_back(a + in_a / (in_a - in_b) * (b - a));
+    if ((in_a > 0.0 && in_b < 0.0) || (in_a < 0.0 && in_b > 0.0))
+      kept.push_back(a + in_a / (in_a - in_b) * (b - a));
   }
   return kept;
 }
@@ -58,15 +59,17 @@ Free NoRoom(const Ring& section) {
   return {{middle.x(), middle.x(), middle.y(), middle.y()}, 0.0};
 }
 
-/// The best room left of or right of each shadow. Only what is flat is flown over: how high a thing is, is not known as
-/// well as where it stands.
+/// The best room left of or right of each shadow. Only what is flat is flown over: how high a thing is, is
+/// not known as well as where it stands.
 std::optional<Free> FitBetween(const Ring& section, const std::vector<Shadow>& shadows, std::size_t from,
                                const VehicleEnvelope& vehicle) {
   if (from == shadows.size()) return FitRoom(section, vehicle);
   const Shadow& shadow = shadows[from];
   std::optional<Free> best;
-  std::vector<Ring> parts = {Clip(section, {1.0, 0.0}, shadow.left), Clip(section, {-1.0, 0.0}, -shadow.right)};
-  if (shadow.top <= kFlat * vehicle.NeededHeight_m()) parts.push_back(Clip(section, {0.0, -1.0}, -shadow.top));
+  std::vector<Ring> parts = {Clip(section, {1.0, 0.0}, shadow.left),
+                             Clip(section, {-1.0, 0.0}, -shadow.right)};
+  if (shadow.top <= kFlat * vehicle.NeededHeight_m())
+    parts.push_back(Clip(section, {0.0, -1.0}, -shadow.top));
   for (const Ring& part : parts) {
     const auto free = FitBetween(part, shadows, from + 1, vehicle);
     if (free && (!best || free->fit > best->fit)) best = free;
@@ -74,8 +77,8 @@ std::optional<Free> FitBetween(const Ring& section, const std::vector<Shadow>& s
   return best;
 }
 
-std::vector<Shadow> CastShadows(const std::vector<Obstacle>& obstacles, const Wall& wall, const Passage& passage,
-                                double stand_off) {
+std::vector<Shadow> CastShadows(const std::vector<Obstacle>& obstacles, const Wall& wall,
+                                const Passage& passage, double stand_off) {
   double left = passage.section_m.front().x();
   double right = left;
   for (const Eigen::Vector2d& p : passage.section_m) {
@@ -112,10 +115,11 @@ Path LayPath(const Polygon& footprint, const Passage& passage, const Wall& wall,
           At(wall.InPlan(at.x()) - (length + stand_off) * wall.outward, at.y())};
 }
 
-/// Where in the free rectangle to fly: in its middle, or where more of the space that the vehicle needs was seen free.
+/// Where in the free rectangle to fly: in its middle, or where more of the space that the vehicle needs was
+/// seen free.
 template <class PathAt>
-Eigen::Vector2d ChooseLine(const Rectangle& free, const Eigen::Vector2d& kept_m, const VehicleEnvelope& vehicle,
-                           const octomap::OcTree& tree, PathAt&& path_at) {
+Eigen::Vector2d ChooseLine(const Rectangle& free, const Eigen::Vector2d& kept_m,
+                           const VehicleEnvelope& vehicle, const octomap::OcTree& tree, PathAt&& path_at) {
   const Eigen::Vector2d middle(0.5 * (free.left + free.right), 0.5 * (free.bottom + free.top));
   const double room_u = std::max(0.0, 0.5 * (free.right - free.left - vehicle.NeededWidth_m()) - kept_m.x());
   const double room_v = std::max(0.0, 0.5 * (free.top - free.bottom - vehicle.NeededHeight_m()) - kept_m.y());
@@ -125,15 +129,16 @@ Eigen::Vector2d ChooseLine(const Rectangle& free, const Eigen::Vector2d& kept_m,
       offsets.emplace_back(room_u * i / kLineSteps, room_v * j / kLineSteps);
     }
   }
-  std::stable_sort(offsets.begin(), offsets.end(), [](const auto& a, const auto& b) { return a.norm() < b.norm(); });
+  std::stable_sort(offsets.begin(), offsets.end(),
+                   [](const auto& a, const auto& b) { return a.norm() < b.norm(); });
   Eigen::Vector2d best = middle;
   double best_seen = -1.0;
   for (const Eigen::Vector2d& offset : offsets) {
     const Path path = path_at(middle + offset);
     const double z = path.entry_in_map_m.z();
     const double seen = SweepOctree(tree, path.entry_in_map_m.head<2>(), path.exit_in_map_m.head<2>(),
-                                    vehicle.radius_m + vehicle.safety_margin_m, z - 0.5 * vehicle.NeededHeight_m(),
-                                    z + 0.5 * vehicle.NeededHeight_m())
+                                    vehicle.radius_m + vehicle.safety_margin_m,
+                                    z - 0.5 * vehicle.NeededHeight_m(), z + 0.5 * vehicle.NeededHeight_m())
                             .SeenRatio();
     if (seen <= best_seen) continue;
     best = middle + offset;
@@ -155,14 +160,15 @@ std::string Describe(const std::vector<Shadow>& shadows) {
   text.setf(std::ios::fixed);
   text.precision(2);
   const Eigen::Vector3d& at = shadows.front().obstacle->base_in_map_m;
-  text << "obstacle at " << at.x() << ", " << at.y() << ", " << shadows.front().obstacle->height_m << " m high";
+  text << "obstacle at " << at.x() << ", " << at.y() << ", " << shadows.front().obstacle->height_m
+       << " m high";
   return text.str();
 }
 
 }  // namespace
 
-std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id, const VehicleEnvelope& vehicle,
-                                    const CorridorOptions& options) {
+std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id,
+                                    const VehicleEnvelope& vehicle, const CorridorOptions& options) {
   SOFFIT_EXPECT(IsValid(vehicle));
   SOFFIT_EXPECT(IsValidOptions(options));
   const double stand_off = std::max(options.approach_m, vehicle.radius_m + vehicle.safety_margin_m);
@@ -172,12 +178,15 @@ std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id,
     for (const Passage& passage : solid.passages) {
       const Wall wall = WallOf(solid.footprint.polygon_in_map_m.outer, passage.entry_wall);
       const std::vector<Shadow> shadows = CastShadows(scene.obstacles, wall, passage, stand_off);
-      const Rectangle free = FitBetween(passage.section_m, shadows, 0, vehicle).value_or(NoRoom(passage.section_m)).rectangle;
+      const Rectangle free =
+          FitBetween(passage.section_m, shadows, 0, vehicle).value_or(NoRoom(passage.section_m)).rectangle;
       const double place_std = PlaceStd(solid.footprint);
-      const Eigen::Vector2d kept(kKeptSigmas * std::hypot(passage.std_m, place_std), kKeptSigmas * passage.std_m);
-      const Eigen::Vector2d middle = ChooseLine(free, kept, vehicle, *scene.octree, [&](const Eigen::Vector2d& at) {
-        return LayPath(solid.footprint.polygon_in_map_m, passage, wall, at, stand_off);
-      });
+      const Eigen::Vector2d kept(kKeptSigmas * std::hypot(passage.std_m, place_std),
+                                 kKeptSigmas * passage.std_m);
+      const Eigen::Vector2d middle =
+          ChooseLine(free, kept, vehicle, *scene.octree, [&](const Eigen::Vector2d& at) {
+            return LayPath(solid.footprint.polygon_in_map_m, passage, wall, at, stand_off);
+          });
       const Path path = LayPath(solid.footprint.polygon_in_map_m, passage, wall, middle, stand_off);
       Corridor corridor;
       corridor.object_id = object_id;
@@ -199,7 +208,8 @@ std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id,
   const auto fit = [&](const Corridor& c) {
     return std::min(c.free_width_m / vehicle.NeededWidth_m(), c.free_height_m / vehicle.NeededHeight_m());
   };
-  std::stable_sort(corridors.begin(), corridors.end(), [&](const auto& a, const auto& b) { return fit(a) > fit(b); });
+  std::stable_sort(corridors.begin(), corridors.end(),
+                   [&](const auto& a, const auto& b) { return fit(a) > fit(b); });
   return corridors;
 }
 

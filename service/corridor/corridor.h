@@ -17,13 +17,14 @@ struct Corridor {
   int exit_wall = -1;
   Eigen::Vector3d entry_in_map_m = Eigen::Vector3d::Zero();  ///< Outside the footprint, with stand-off.
   Eigen::Vector3d exit_in_map_m = Eigen::Vector3d::Zero();
-  double free_width_m = 0.0;    ///< Of the free rectangle along the whole corridor that is best relative to the need.
+  double free_width_m =
+      0.0;  ///< Of the free rectangle along the whole corridor that is best relative to the need.
   double free_height_m = 0.0;
-  double left_m = 0.0;          ///< From the path to the rectangle's left side, as the vehicle flies.
-  double floor_m = 0.0;         ///< Lower side of that rectangle, above the ground.
-  double std_m = 0.0;           ///< Of its sides.
-  double place_std_m = 0.0;     ///< Of the building's place in the map, per axis.
-  std::string limited_by;       ///< What stands in the passage and takes room from it; empty when nothing does.
+  double left_m = 0.0;       ///< From the path to the rectangle's left side, as the vehicle flies.
+  double floor_m = 0.0;      ///< Lower side of that rectangle, above the ground.
+  double std_m = 0.0;        ///< Of its sides.
+  double place_std_m = 0.0;  ///< Of the building's place in the map, per axis.
+  std::string limited_by;    ///< What stands in the passage and takes room from it; empty when nothing does.
   bool was_seen_from_both_sides = false;  ///< False: the far mouth was inferred from the near one.
 };
 
@@ -32,14 +33,16 @@ struct CorridorOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& field) {
-    field("approach_m", self.approach_m, OptionInfo{0.0, 50.0, "m", "From the walls to entry and exit; at least radius and margin"});
+    field("approach_m", self.approach_m,
+          OptionInfo{0.0, 50.0, "m", "From the walls to entry and exit; at least radius and margin"});
   }
 };
 
-/// The best corridor for each passage of the object's solid, best relative to the vehicle's need first, whether or not
-/// it is wide enough; flown in the middle of its free rectangle, or where more of the space that the vehicle needs was
-/// seen to be free. What stands in a passage takes its room away. Empty when nothing leads through. Pure.
-std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id, const VehicleEnvelope& vehicle,
-                                    const CorridorOptions& options);
+/// The best corridor for each passage of the object's solid, best relative to the vehicle's need first,
+/// whether or not it is wide enough; flown in the middle of its free rectangle, or where more of the space
+/// that the vehicle needs was seen to be free. What stands in a passage takes its room away. Empty when
+/// nothing leads through. Pure.
+std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id,
+                                    const VehicleEnvelope& vehicle, const CorridorOptions& options);
 
 }  // namespace soffit

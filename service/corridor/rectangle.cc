@@ -40,7 +40,9 @@ class FreeHeights {
   }
 
  private:
-  static Span Narrow(const Span& a, const Span& b) { return {std::max(a.low, b.low), std::min(a.high, b.high)}; }
+  static Span Narrow(const Span& a, const Span& b) {
+    return {std::max(a.low, b.low), std::min(a.high, b.high)};
+  }
 
   /// Lower and upper bound at u, coming from the right (+1) or the left (-1) where a side is upright.
   Span At(double u, int from) const {
@@ -69,8 +71,8 @@ struct Place {
   Span span;
 };
 
-/// Where a stretch of this width has the greatest free height. Between neighbouring breakpoints, where a corner enters
-/// or leaves the stretch, the height is the least of linear functions, hence concave.
+/// Where a stretch of this width has the greatest free height. Between neighbouring breakpoints, where a
+/// corner enters or leaves the stretch, the height is the least of linear functions, hence concave.
 Place BestPlace(const FreeHeights& free, double width) {
   std::vector<double> breaks = {free.left(), free.right() - width};
   for (const double u : free.stations()) {
@@ -124,8 +126,8 @@ std::optional<Rectangle> FitRectangle(const Ring& ring, double width, double hei
   const double k = Greatest(0.0, full / width, scaled);
   if (!(k > 0.0)) return std::nullopt;
   const double free_height = BestPlace(free, k * width).span.Length();
-  const double free_width =
-      Greatest(k * width, full, [&](double w) { return BestPlace(free, w).span.Length() >= free_height - 1e-9; });
+  const double free_width = Greatest(
+      k * width, full, [&](double w) { return BestPlace(free, w).span.Length() >= free_height - 1e-9; });
   const Place place = BestPlace(free, free_width);
   return Rectangle{place.left, place.left + free_width, place.span.low, place.span.high};
 }

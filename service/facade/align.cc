@@ -15,10 +15,10 @@ constexpr double kSampleStep_px = 6.0;
 constexpr double kMostReach_px = 60.0;
 constexpr double kLeastReach_px = 6.0;
 constexpr double kReachSigmas = 3.0;
-constexpr int kSolid_px = 3;               // Run of one label that makes a side of an edge.
+constexpr int kSolid_px = 3;  // Run of one label that makes a side of an edge.
 constexpr std::size_t kMinSamples = 60;
 constexpr double kEdgeStd_px = 1.0;
-constexpr double kCorrelated = 20.0;       // Neighbouring samples err alike: so many count as one.
+constexpr double kCorrelated = 20.0;  // Neighbouring samples err alike: so many count as one.
 constexpr double kLeastPositionStd_m = 0.002;
 constexpr double kLeastOrientationStd_rad = 0.0003;
 constexpr double kHeightPriorStd_m = 0.5;
@@ -31,7 +31,7 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 /// A point on an edge of the building, and where outside of it is.
 struct EdgePoint {
   Eigen::Vector3d in_map_m;
-  Eigen::Vector3d outward;   ///< Direction in the map that leads off the structure, along the wall's plane.
+  Eigen::Vector3d outward;  ///< Direction in the map that leads off the structure, along the wall's plane.
   bool is_roof = false;
 };
 
@@ -46,7 +46,8 @@ std::vector<EdgePoint> SampleEdges(const Polygon& footprint, double height_m, co
     const Eigen::Vector2d to_camera = camera.head<2>() - wall.InPlan(0.5 * wall.width_m);
     faces[i] = wall.Front(camera.head<2>()) > kMinFacing * to_camera.norm();
   }
-  const auto add_line = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& outward, bool is_roof) {
+  const auto add_line = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                            const Eigen::Vector3d& outward, bool is_roof) {
     const auto from = Project(view, a);
     const auto to = Project(view, b);
     if (!from || !to) return;
@@ -59,15 +60,18 @@ std::vector<EdgePoint> SampleEdges(const Polygon& footprint, double height_m, co
     const Eigen::Vector3d along(wall.along.x(), wall.along.y(), 0.0);
     const double w = wall.width_m;
     add_line(wall.InMap({0.0, 0.0}), wall.InMap({w, 0.0}), -Eigen::Vector3d::UnitZ(), false);
-    if (camera.z() < height_m) add_line(wall.InMap({0.0, height_m}), wall.InMap({w, height_m}), Eigen::Vector3d::UnitZ(), true);
+    if (camera.z() < height_m)
+      add_line(wall.InMap({0.0, height_m}), wall.InMap({w, height_m}), Eigen::Vector3d::UnitZ(), true);
     if (!faces[(i + n - 1) % n]) add_line(wall.InMap({0.0, 0.0}), wall.InMap({0.0, height_m}), -along, false);
     if (!faces[(i + 1) % n]) add_line(wall.InMap({w, 0.0}), wall.InMap({w, height_m}), along, false);
   }
   return points;
 }
 
-/// Signed distance, along `normal`, from `at` to where structure ends; none when it does not end once within reach.
-std::optional<double> FindEdge(const cv::Mat1b& own, const Eigen::Vector2d& at, const Eigen::Vector2d& normal, int reach) {
+/// Signed distance, along `normal`, from `at` to where structure ends; none when it does not end once within
+/// reach.
+std::optional<double> FindEdge(const cv::Mat1b& own, const Eigen::Vector2d& at, const Eigen::Vector2d& normal,
+                               int reach) {
   const auto is_own = [&](int step) -> int {
     const int x = static_cast<int>(std::lround(at.x() + step * normal.x()));
     const int y = static_cast<int>(std::lround(at.y() + step * normal.y()));
@@ -77,7 +81,8 @@ std::optional<double> FindEdge(const cv::Mat1b& own, const Eigen::Vector2d& at, 
   std::optional<double> nearest;
   for (int step = -reach; step <= reach; ++step) {  // The edge lies between `step` and `step` + 1.
     bool is_edge = true;
-    for (int k = 0; k < kSolid_px && is_edge; ++k) is_edge = is_own(step - k) == 1 && is_own(step + 1 + k) == 0;
+    for (int k = 0; k < kSolid_px && is_edge; ++k)
+      is_edge = is_own(step - k) == 1 && is_own(step + 1 + k) == 0;
     if (is_edge && (!nearest || std::abs(step + 0.5) < std::abs(*nearest))) nearest = step + 0.5;
   }
   return nearest;
@@ -126,7 +131,8 @@ Normal Gather(const View& view, const cv::Mat1b& own, const std::vector<EdgePoin
     }
     if (!is_valid) continue;
     const double scale = 0.3 * reach;
-    const double weight = 1.0 / (1.0 + *distance * *distance / (scale * scale));  // Cauchy: doors and clutter are outliers.
+    const double weight =
+        1.0 / (1.0 + *distance * *distance / (scale * scale));  // Cauchy: doors and clutter are outliers.
     normal.matrix += weight * row * row.transpose();
     normal.right += weight * *distance * row;
     ++normal.samples;
@@ -150,13 +156,15 @@ cv::Mat1b OwnStructure(const Sight& sight, const Mask& mask, const std::string& 
   return own;
 }
 
-/// How far from where it is predicted an edge is looked for: at first as far as the pose may be wrong, then closer.
+/// How far from where it is predicted an edge is looked for: at first as far as the pose may be wrong, then
+/// closer.
 int SearchReach(const View& view, const Footprint& object, double progress) {
   const Eigen::Vector2d camera = view.map_from_camera.translation_m.head<2>();
   const double distance = std::max(0.5, DistanceToRing(camera, object.polygon_in_map_m.outer));
   const double first = kLeastReach_px + kReachSigmas * view.intrinsics.fx_px *
                                             (view.orientation_std_rad + view.position_std_m / distance);
-  return static_cast<int>(kLeastReach_px * std::pow(std::min(first, kMostReach_px) / kLeastReach_px, 1.0 - progress));
+  return static_cast<int>(kLeastReach_px *
+                          std::pow(std::min(first, kMostReach_px) / kLeastReach_px, 1.0 - progress));
 }
 
 struct Prior {
@@ -171,7 +179,8 @@ struct Prior {
 Eigen::Matrix<double, 6, 1> Moved(const View& now, const View& reported) {
   const Eigen::AngleAxisd turn(now.map_from_camera.rotation * reported.map_from_camera.rotation.conjugate());
   Eigen::Matrix<double, 6, 1> moved;
-  moved << turn.angle() * turn.axis(), now.map_from_camera.translation_m - reported.map_from_camera.translation_m;
+  moved << turn.angle() * turn.axis(),
+      now.map_from_camera.translation_m - reported.map_from_camera.translation_m;
   return moved;
 }
 
@@ -201,16 +210,18 @@ Footprint DrawAgain(const Footprint& object, double height_m, double height_std_
 
 }  // namespace
 
-Alignment AlignSights(const Footprint& object, const std::vector<Mask>& masks, const std::vector<Sight>& sights,
-                      const FacadeOptions& options) {
+Alignment AlignSights(const Footprint& object, const std::vector<Mask>& masks,
+                      const std::vector<Sight>& sights, const FacadeOptions& options) {
   SOFFIT_EXPECT(IsValidOptions(options));
   SOFFIT_EXPECT(masks.size() == sights.size());
   Alignment aligned{object, sights};
   if (!(object.height_m > 0.0)) return aligned;
   const double prior_height = object.height_m;
-  const double height_std = std::max({object.height_std_m, 0.02, std::min(kHeightPriorStd_m, 0.2 * prior_height)});
+  const double height_std =
+      std::max({object.height_std_m, 0.02, std::min(kHeightPriorStd_m, 0.2 * prior_height)});
   std::vector<cv::Mat1b> own;
-  for (std::size_t i = 0; i < sights.size(); ++i) own.push_back(OwnStructure(sights[i], masks[i], object.color));
+  for (std::size_t i = 0; i < sights.size(); ++i)
+    own.push_back(OwnStructure(sights[i], masks[i], object.color));
 
   double height = prior_height;
   std::vector<bool> is_used(sights.size(), false);
@@ -247,7 +258,8 @@ Alignment AlignSights(const Footprint& object, const std::vector<Mask>& masks, c
       view.position_std_m = std::sqrt(covariance.diagonal().tail<3>().mean());
     }
     height += rise;
-    if (!(height > prior_height / kMostHeightChange && height < kMostHeightChange * prior_height)) return {object, sights};
+    if (!(height > prior_height / kMostHeightChange && height < kMostHeightChange * prior_height))
+      return {object, sights};
     aligned.footprint = DrawAgain(object, height, 1.0 / std::sqrt(height_information));
   }
 

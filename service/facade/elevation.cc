@@ -8,9 +8,9 @@ namespace soffit {
 namespace {
 
 constexpr double kMinFront_m = 0.05;
-constexpr double kMinCosine = 0.34;      // 70 degrees off the wall's normal: foreshortened to a third.
+constexpr double kMinCosine = 0.34;  // 70 degrees off the wall's normal: foreshortened to a third.
 constexpr double kCellPerPixel = 0.5;
-constexpr int kMaxCells = 4000;          // Of one side of the raster.
+constexpr int kMaxCells = 4000;  // Of one side of the raster.
 constexpr double kOffWall_m = 1e-3;
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -19,15 +19,17 @@ bool Crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Ring& rin
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Eigen::Vector2d& c = ring[i];
     const Eigen::Vector2d& d = ring[(i + 1) % ring.size()];
-    if (Cross(b - a, c - a) * Cross(b - a, d - a) < 0.0 && Cross(d - c, a - c) * Cross(d - c, b - c) < 0.0) return true;
+    if (Cross(b - a, c - a) * Cross(b - a, d - a) < 0.0 && Cross(d - c, a - c) * Cross(d - c, b - c) < 0.0)
+      return true;
   }
   return false;
 }
 
 }  // namespace
 
-std::optional<Elevation> Rectify(const Polygon& footprint, int side, double up_to_m, int own_class, const Image& image,
-                                 const Mask& mask, const Sight& sight, double resolution_m) {
+std::optional<Elevation> Rectify(const Polygon& footprint, int side, double up_to_m, int own_class,
+                                 const Image& image, const Mask& mask, const Sight& sight,
+                                 double resolution_m) {
   Elevation view;
   view.wall = WallOf(footprint.outer, side);
   view.capture_id = sight.capture_id;
@@ -43,7 +45,8 @@ std::optional<Elevation> Rectify(const Polygon& footprint, int side, double up_t
 
   const Intrinsics& k = sight.view.intrinsics;
   const double pixel_m = view.camera_front_m / k.fx_px;
-  view.cell_m = std::max({resolution_m, kCellPerPixel * pixel_m, view.wall.width_m / kMaxCells, up_to_m / kMaxCells});
+  view.cell_m =
+      std::max({resolution_m, kCellPerPixel * pixel_m, view.wall.width_m / kMaxCells, up_to_m / kMaxCells});
   view.pose_std_m = std::hypot(sight.view.position_std_m, distance * sight.view.orientation_std_rad);
   const int columns = static_cast<int>(view.wall.width_m / view.cell_m);
   const int rows = static_cast<int>(up_to_m / view.cell_m);
@@ -53,13 +56,15 @@ std::optional<Elevation> Rectify(const Polygon& footprint, int side, double up_t
   view.is_visible = cv::Mat1b(rows, columns, uchar{0});
   int visible_columns = 0;
   for (int column = 0; column < columns; ++column) {
-    const Eigen::Vector2d plan = view.wall.InPlan(view.Center(column, 0).x()) + kOffWall_m * view.wall.outward;
+    const Eigen::Vector2d plan =
+        view.wall.InPlan(view.Center(column, 0).x()) + kOffWall_m * view.wall.outward;
     if (Crosses(camera_plan, plan, footprint.outer)) continue;
     int visible_rows = 0;
     for (int row = 0; row < rows; ++row) {
       const auto pixel = Project(sight.view, view.wall.InMap(view.Center(column, row)));
       if (!pixel) continue;
-      const cv::Point at(static_cast<int>(std::lround(pixel->x())), static_cast<int>(std::lround(pixel->y())));
+      const cv::Point at(static_cast<int>(std::lround(pixel->x())),
+                         static_cast<int>(std::lround(pixel->y())));
       if (!image.seen.contains(at) || at.x >= sight.seen.cols || at.y >= sight.seen.rows) continue;
       const int label = mask.label(at);
       uchar seen = sight.seen(at);

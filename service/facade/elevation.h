@@ -8,27 +8,30 @@
 
 namespace soffit {
 
-/// One wall as one picture shows it, rectified: column i, row j is the cell at u = (i + 0.5) cell, v = (j + 0.5) cell.
-/// Rows reach above the roof.
+/// One wall as one picture shows it, rectified: column i, row j is the cell at u = (i + 0.5) cell, v = (j +
+/// 0.5) cell. Rows reach above the roof.
 struct Elevation {
   Wall wall;
   std::uint32_t capture_id = 0;
   double cell_m = 0.0;
   Eigen::Vector2d camera_uv_m = Eigen::Vector2d::Zero();  ///< Foot of the camera on the wall's plane.
   double camera_front_m = 0.0;                            ///< Distance of the camera from that plane, > 0.
-  double pose_std_m = 0.0;         ///< What the pose's uncertainty amounts to on the wall.
-  cv::Mat1b seen;                  ///< `Seen`; structure of another colour class is kUnexplained.
-  cv::Mat1b is_visible;            ///< 0 where the cell lies outside the picture or behind the building itself.
-  double visible_ratio = 0.0;      ///< Share of the columns that are visible.
-  double quality = 0.0;            ///< For the choice between pictures: visible, square on and close is best.
+  double pose_std_m = 0.0;     ///< What the pose's uncertainty amounts to on the wall.
+  cv::Mat1b seen;              ///< `Seen`; structure of another colour class is kUnexplained.
+  cv::Mat1b is_visible;        ///< 0 where the cell lies outside the picture or behind the building itself.
+  double visible_ratio = 0.0;  ///< Share of the columns that are visible.
+  double quality = 0.0;        ///< For the choice between pictures: visible, square on and close is best.
 
   int Column(double u_m) const { return static_cast<int>(u_m / cell_m); }
   int Row(double v_m) const { return static_cast<int>(v_m / cell_m); }
-  Eigen::Vector2d Center(int column, int row) const { return {(column + 0.5) * cell_m, (row + 0.5) * cell_m}; }
+  Eigen::Vector2d Center(int column, int row) const {
+    return {(column + 0.5) * cell_m, (row + 0.5) * cell_m};
+  }
 };
 
 /// None when the picture does not show the wall's outer face.
-std::optional<Elevation> Rectify(const Polygon& footprint, int side, double up_to_m, int own_class, const Image& image,
-                                 const Mask& mask, const Sight& sight, double resolution_m);
+std::optional<Elevation> Rectify(const Polygon& footprint, int side, double up_to_m, int own_class,
+                                 const Image& image, const Mask& mask, const Sight& sight,
+                                 double resolution_m);
 
 }  // namespace soffit

@@ -12,15 +12,15 @@
 namespace soffit {
 namespace {
 
-constexpr double kMinVisible = 0.90;        // Of a wall's columns: less does not tell what openings it has.
-constexpr double kMinThroughShare = 0.50;   // Of what is seen beyond: clutter far behind may hide the rest.
-constexpr double kMinSkyShare = 0.05;       // Of what is seen above the horizon: buildings may hide the rest.
-constexpr double kMinDoubtShare = 0.05;     // Background in so little of it is noise on a closed surface.
+constexpr double kMinVisible = 0.90;       // Of a wall's columns: less does not tell what openings it has.
+constexpr double kMinThroughShare = 0.50;  // Of what is seen beyond: clutter far behind may hide the rest.
+constexpr double kMinSkyShare = 0.05;      // Of what is seen above the horizon: buildings may hide the rest.
+constexpr double kMinDoubtShare = 0.05;    // Background in so little of it is noise on a closed surface.
 constexpr double kMinGroundOnlyShare = 0.90;
-constexpr double kStraightShare = 0.25;     // Of a head's columns that have to lie on one level.
+constexpr double kStraightShare = 0.25;  // Of a head's columns that have to lie on one level.
 constexpr double kPixelStd = 0.7;
-constexpr double kMisfitSigmas = 6.0;       // Of the pose: by so much the picture may be beside the wall's end.
-constexpr double kRoofSearch = 1.6;         // Times the height that is expected.
+constexpr double kMisfitSigmas = 6.0;  // Of the pose: by so much the picture may be beside the wall's end.
+constexpr double kRoofSearch = 1.6;    // Times the height that is expected.
 constexpr double kFallbackHeight_m = 12.0;
 constexpr int kHeadSegments = 24;
 
@@ -60,7 +60,8 @@ struct Height {
   double std_m = 0.0;
 };
 
-/// The height that the top edges of all walls agree on. A camera above the roof sees its far edge, not the wall's.
+/// The height that the top edges of all walls agree on. A camera above the roof sees its far edge, not the
+/// wall's.
 Height MeasureHeight(const Footprint& object, const std::vector<Elevation>& views) {
   std::vector<double> tops;
   double std_m = 0.0;
@@ -76,7 +77,8 @@ Height MeasureHeight(const Footprint& object, const std::vector<Elevation>& view
   return {Median(tops), std_m / std::sqrt(static_cast<double>(tops.size()))};
 }
 
-/// A region of a wall that does not show the wall's own surface, as the lowest and highest cell of each column.
+/// A region of a wall that does not show the wall's own surface, as the lowest and highest cell of each
+/// column.
 struct Gap {
   cv::Rect bounds;
   cv::Mat1b inside;  ///< Size of the elevation, cropped to `bounds`.
@@ -107,8 +109,10 @@ std::vector<Gap> FindGaps(const Elevation& view, double height_m, double min_ope
                     stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT)};
     found.is_standing = found.bounds.y <= 2 + reach;
     if (found.bounds.width < least || (!found.is_standing && found.bounds.height < least)) continue;
-    const bool is_at_end = found.bounds.x <= 2 + reach || found.bounds.x + found.bounds.width >= gap.cols - 2 - reach;
-    if (is_at_end && found.bounds.width * view.cell_m < kMisfitSigmas * view.pose_std_m) continue;  // Beside the wall.
+    const bool is_at_end =
+        found.bounds.x <= 2 + reach || found.bounds.x + found.bounds.width >= gap.cols - 2 - reach;
+    if (is_at_end && found.bounds.width * view.cell_m < kMisfitSigmas * view.pose_std_m)
+      continue;  // Beside the wall.
     found.inside = component(found.bounds) == i;
     gaps.push_back(found);
   }
@@ -144,7 +148,8 @@ Evidence WeighBackground(const Elevation& view, const Gap& gap, double shrink) {
   if (beyond <= 0.0) return {false, false, "nothing beyond it is seen"};
   const double share = background / beyond;
   const bool shows_sky = above > 0.05 * beyond;
-  evidence.is_through = shows_sky ? share >= kMinThroughShare && sky / above >= kMinSkyShare : share >= kMinGroundOnlyShare;
+  evidence.is_through =
+      shows_sky ? share >= kMinThroughShare && sky / above >= kMinSkyShare : share >= kMinGroundOnlyShare;
   evidence.shows_background = share >= kMinDoubtShare;
   std::ostringstream text;
   text.precision(2);
@@ -154,9 +159,10 @@ Evidence WeighBackground(const Elevation& view, const Gap& gap, double shrink) {
   return evidence;
 }
 
-/// Brings the boundary of a see-through region back to the outline of the mouth. The wall's plane shows the common part
-/// of the near mouth and of the far one, which is shrunk about the camera's foot: an edge of the common part that has the
-/// camera's foot on its inner side belongs to the far mouth, any other to the near one.
+/// Brings the boundary of a see-through region back to the outline of the mouth. The wall's plane shows the
+/// common part of the near mouth and of the far one, which is shrunk about the camera's foot: an edge of the
+/// common part that has the camera's foot on its inner side belongs to the far mouth, any other to the near
+/// one.
 struct Mouth {
   Eigen::Vector2d camera_uv_m;
   double shrink = 1.0;
@@ -174,8 +180,8 @@ struct Span {
   double high = 0.0;
 };
 
-/// Left and right side of an opening that stands on the ground, from where its jambs meet the ground: on the wall's
-/// plane these lines run from the jamb's foot towards the camera's foot, however deep the jamb is.
+/// Left and right side of an opening that stands on the ground, from where its jambs meet the ground: on the
+/// wall's plane these lines run from the jamb's foot towards the camera's foot, however deep the jamb is.
 std::optional<Span> MeasureFoot(const Elevation& view, const Gap& gap) {
   const double horizon = view.camera_uv_m.y();
   std::vector<double> lefts, rights;
@@ -240,7 +246,8 @@ double ShareAt(const std::vector<Eigen::Vector2d>& points, double at, double rea
   return count / static_cast<double>(points.size());
 }
 
-/// The highest level at which a straight head can lie: things behind an opening may hide more than half of it.
+/// The highest level at which a straight head can lie: things behind an opening may hide more than half of
+/// it.
 double HighestLevel(const std::vector<Eigen::Vector2d>& points, double reach) {
   std::vector<Eigen::Vector2d> sorted = points;
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.y() > b.y(); });
@@ -252,7 +259,8 @@ double HighestLevel(const std::vector<Eigen::Vector2d>& points, double reach) {
   return sorted[sorted.size() / 2].y();
 }
 
-/// Least squares of v = spring + rise sqrt(1 - t^2), t from -1 to 1 over the opening, with the worst fifth left out.
+/// Least squares of v = spring + rise sqrt(1 - t^2), t from -1 to 1 over the opening, with the worst fifth
+/// left out.
 Head FitArch(std::vector<Eigen::Vector2d> points, const Span& sides) {
   const double middle = 0.5 * (sides.low + sides.high);
   const double half = 0.5 * (sides.high - sides.low);
@@ -272,7 +280,8 @@ Head FitArch(std::vector<Eigen::Vector2d> points, const Span& sides) {
       const double t = std::clamp((point.x() - middle) / half, -1.0, 1.0);
       return std::abs(point.y() - head.spring_m - head.rise_m * std::sqrt(1.0 - t * t));
     };
-    std::stable_sort(points.begin(), points.end(), [&](const auto& a, const auto& b) { return residual(a) < residual(b); });
+    std::stable_sort(points.begin(), points.end(),
+                     [&](const auto& a, const auto& b) { return residual(a) < residual(b); });
     if (points.size() > 20) points.resize(points.size() * 4 / 5);
   }
   return head;
@@ -283,21 +292,23 @@ double HeightAt(const Head& head, const Span& sides, double u) {
   return head.spring_m + head.rise_m * std::sqrt(1.0 - t * t);
 }
 
-double ShareOn(const std::vector<Eigen::Vector2d>& points, const Head& head, const Span& sides, double reach) {
+double ShareOn(const std::vector<Eigen::Vector2d>& points, const Head& head, const Span& sides,
+               double reach) {
   double count = 0.0;
   const double step = 1e-3 * (sides.high - sides.low);
   for (const Eigen::Vector2d& point : points) {
     const double height = HeightAt(head, sides, point.x());
-    const double slope = (HeightAt(head, sides, point.x() + step) - HeightAt(head, sides, point.x() - step)) / (2.0 * step);
+    const double slope =
+        (HeightAt(head, sides, point.x() + step) - HeightAt(head, sides, point.x() - step)) / (2.0 * step);
     count += std::abs(point.y() - height) <= reach * std::hypot(1.0, slope) ? 1.0 : 0.0;  // Across the arch.
   }
   return count / static_cast<double>(points.size());
 }
 
-/// The upper boundary of a gap, brought back to the mouth as if it were straight (its edge faces up everywhere), or as
-/// if it were an arch (its edge faces away from the middle).
-std::vector<Eigen::Vector2d> TraceHead(const Elevation& view, const Gap& gap, const Mouth& mouth, const Span& sides,
-                                       bool is_arch) {
+/// The upper boundary of a gap, brought back to the mouth as if it were straight (its edge faces up
+/// everywhere), or as if it were an arch (its edge faces away from the middle).
+std::vector<Eigen::Vector2d> TraceHead(const Elevation& view, const Gap& gap, const Mouth& mouth,
+                                       const Span& sides, bool is_arch) {
   std::vector<Eigen::Vector2d> points;
   const double width = sides.high - sides.low;
   const double middle = 0.5 * (sides.low + sides.high);
@@ -307,12 +318,15 @@ std::vector<Eigen::Vector2d> TraceHead(const Elevation& view, const Gap& gap, co
       if (gap.inside(row, column) != 0) top = row;
     }
     if (top < 0) continue;
-    const Eigen::Vector2d seen(view.Center(gap.bounds.x + column, 0).x(), (gap.bounds.y + top + 1) * view.cell_m);
+    const Eigen::Vector2d seen(view.Center(gap.bounds.x + column, 0).x(),
+                               (gap.bounds.y + top + 1) * view.cell_m);
     const double t = is_arch ? std::clamp(2.0 * (seen.x() - middle) / width, -1.0, 1.0) : 0.0;
     const Eigen::Vector2d outward(t, std::sqrt(1.0 - t * t));
     const bool is_far = outward.dot(seen - mouth.camera_uv_m) > 0.0;
-    const Eigen::Vector2d point = is_far ? mouth.camera_uv_m + (seen - mouth.camera_uv_m) / mouth.shrink : seen;
-    if (point.x() > sides.low + 0.02 * width && point.x() < sides.high - 0.02 * width) points.push_back(point);
+    const Eigen::Vector2d point =
+        is_far ? mouth.camera_uv_m + (seen - mouth.camera_uv_m) / mouth.shrink : seen;
+    if (point.x() > sides.low + 0.02 * width && point.x() < sides.high - 0.02 * width)
+      points.push_back(point);
   }
   return points;
 }
@@ -346,8 +360,8 @@ Ring MouthRing(const Span& sides, double bottom, const Head& head) {
   return ring;
 }
 
-std::optional<Opening> MeasureOpening(const Elevation& view, const Gap& gap, const Polygon& footprint, int side,
-                                      double height_m) {
+std::optional<Opening> MeasureOpening(const Elevation& view, const Gap& gap, const Polygon& footprint,
+                                      int side, double height_m) {
   const double middle_u = (gap.bounds.x + 0.5 * gap.bounds.width) * view.cell_m;
   const std::optional<WayOut> way = FindWayOut(footprint, side, middle_u);
   Opening opening;
@@ -384,8 +398,9 @@ std::optional<Opening> MeasureOpening(const Elevation& view, const Gap& gap, con
 
 }  // namespace
 
-std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image>& images, const std::vector<Mask>& masks,
-                                const std::vector<Sight>& sights, const FacadeOptions& options) {
+std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image>& images,
+                                const std::vector<Mask>& masks, const std::vector<Sight>& sights,
+                                const FacadeOptions& options) {
   SOFFIT_EXPECT(IsValidOptions(options));
   SOFFIT_EXPECT(images.size() == sights.size() && masks.size() == sights.size());
   const Polygon& footprint = object.polygon_in_map_m;
@@ -395,10 +410,11 @@ std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image
   std::vector<std::optional<Elevation>> best(static_cast<std::size_t>(sides));
   for (std::size_t i = 0; i < sights.size(); ++i) {
     const auto found = std::find(masks[i].classes.begin(), masks[i].classes.end(), object.color);
-    const int own_class = found == masks[i].classes.end() ? 0 : static_cast<int>(found - masks[i].classes.begin()) + 1;
+    const int own_class =
+        found == masks[i].classes.end() ? 0 : static_cast<int>(found - masks[i].classes.begin()) + 1;
     for (int side = 0; side < sides; ++side) {
-      std::optional<Elevation> view = Rectify(footprint, side, kRoofSearch * expected_m, own_class, images[i], masks[i],
-                                              sights[i], options.resolution_m);
+      std::optional<Elevation> view = Rectify(footprint, side, kRoofSearch * expected_m, own_class, images[i],
+                                              masks[i], sights[i], options.resolution_m);
       std::optional<Elevation>& chosen = best[static_cast<std::size_t>(side)];
       if (view && (!chosen || view->quality > chosen->quality)) chosen = std::move(view);
     }

@@ -21,30 +21,32 @@ struct Sight {
   std::uint32_t capture_id = 0;
   bool has_trusted_pose = false;
   View view;
-  cv::Mat3b bgr;      ///< The picture itself, shared with the Image.
+  cv::Mat3b bgr;  ///< The picture itself, shared with the Image.
   cv::Mat1b seen;
-  cv::Rect shown;     ///< What lies outside shows nothing: the margin of an undistorted picture.
+  cv::Rect shown;  ///< What lies outside shows nothing: the margin of an undistorted picture.
 };
 
-/// An opening of one wall. Wall coordinates: u along the footprint's side from its first corner, v up from the ground.
+/// An opening of one wall. Wall coordinates: u along the footprint's side from its first corner, v up from
+/// the ground.
 struct Opening {
-  Ring ring_in_wall_m;        ///< Counter-clockwise seen from outside, simple.
-  double std_m = 0.0;         ///< Of its sides.
-  bool is_through = false;    ///< Proved by evidence: background seen through it.
-  bool shows_background = false;  ///< Some background is seen through it; when it is not `is_through`: too little to tell.
-  double depth_m = 0.0;       ///< Of a recess, where it could be told; else 0.
-  std::string evidence;       ///< For people: what it was decided from.
+  Ring ring_in_wall_m;      ///< Counter-clockwise seen from outside, simple.
+  double std_m = 0.0;       ///< Of its sides.
+  bool is_through = false;  ///< Proved by evidence: background seen through it.
+  bool shows_background =
+      false;  ///< Some background is seen through it; when it is not `is_through`: too little to tell.
+  double depth_m = 0.0;  ///< Of a recess, where it could be told; else 0.
+  std::string evidence;  ///< For people: what it was decided from.
   std::vector<std::uint32_t> captures;
 };
 
 /// One wall of a building as a vertical rectangle, with its openings.
 struct Facade {
   std::uint32_t object_id = 0;
-  int side = -1;              ///< The wall stands on side `side` of the footprint's outer ring (corner side to side + 1).
+  int side = -1;  ///< The wall stands on side `side` of the footprint's outer ring (corner side to side + 1).
   double width_m = 0.0;
   double height_m = 0.0;
   double height_std_m = 0.0;
-  bool was_seen = false;      ///< False: no picture shows enough of it; then `openings` means nothing.
+  bool was_seen = false;  ///< False: no picture shows enough of it; then `openings` means nothing.
   std::vector<Opening> openings;
 };
 
@@ -55,21 +57,24 @@ struct FacadeOptions {
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& field) {
     field("resolution_m", self.resolution_m, OptionInfo{0.001, 1.0, "m", "Finest raster of an elevation"});
-    field("min_opening_m", self.min_opening_m, OptionInfo{0.01, 10.0, "m", "Smaller openings are not looked for"});
+    field("min_opening_m", self.min_opening_m,
+          OptionInfo{0.01, 10.0, "m", "Smaller openings are not looked for"});
   }
 };
 
 /// Labels every pixel of a picture, horizontal or from above. `buildings` is its colour mask.
 ///
-/// Structure has a hue of the mask's classes, also in deep shade. Sky is what is coloured like the upper part of the
-/// picture and what fades from there to the horizon. Ground has the chromaticity of the lower part of the picture, lit
-/// or in shadow; it lies below the horizon and sky above it. All else is unexplained. Pure; O(pixels).
+/// Structure has a hue of the mask's classes, also in deep shade. Sky is what is coloured like the upper part
+/// of the picture and what fades from there to the horizon. Ground has the chromaticity of the lower part of
+/// the picture, lit or in shadow; it lies below the horizon and sky above it. All else is unexplained. Pure;
+/// O(pixels).
 ///
 /// A grey thing on grey ground that stays below the horizon is taken for a shadow: colour alone cannot tell.
 Sight LabelSight(const Image& image, const Mask& buildings, const FacadeOptions& options);
 
 /// The walls of one object as the horizontal pictures show them, one Facade for each side of its outer ring.
-std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image>& images, const std::vector<Mask>& masks,
-                                const std::vector<Sight>& sights, const FacadeOptions& options);
+std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image>& images,
+                                const std::vector<Mask>& masks, const std::vector<Sight>& sights,
+                                const FacadeOptions& options);
 
 }  // namespace soffit

@@ -10,21 +10,23 @@
 namespace soffit {
 namespace {
 
-constexpr int kMinDarkValue = 10;            // Of 255: below, a hue is noise.
-constexpr double kMinHueShare = 0.003;       // Of a class's pixels: rarer hues are stray.
-constexpr int kHueReach = 4;                 // Of 256.
-constexpr double kShadeSaturation = 0.60;    // Of the class's own saturation: what shade and haze may leave of it.
-constexpr double kSurelySkyRise = 0.12;      // Tangent above the horizon: few things reach higher.
-constexpr double kDarkestSky = 0.60;         // Of the median of what is surely sky.
+constexpr int kMinDarkValue = 10;       // Of 255: below, a hue is noise.
+constexpr double kMinHueShare = 0.003;  // Of a class's pixels: rarer hues are stray.
+constexpr int kHueReach = 4;            // Of 256.
+constexpr double kShadeSaturation =
+    0.60;  // Of the class's own saturation: what shade and haze may leave of it.
+constexpr double kSurelySkyRise = 0.12;  // Tangent above the horizon: few things reach higher.
+constexpr double kDarkestSky = 0.60;     // Of the median of what is surely sky.
 constexpr double kSurelyGroundRise = -0.05;
-constexpr double kGroundShare = 0.25;        // Of the lowest ray's fall: what lies above may be things on the ground.
+constexpr double kGroundShare =
+    0.25;  // Of the lowest ray's fall: what lies above may be things on the ground.
 constexpr std::size_t kMinGround_px = 100;
-constexpr double kMinToneShare = 0.08;       // Of the ground: a rarer colour may be that of a thing.
-constexpr int kMaxSkyStep = 5;               // Of 255, from pixel to pixel: how fast sky fades.
+constexpr double kMinToneShare = 0.08;  // Of the ground: a rarer colour may be that of a thing.
+constexpr int kMaxSkyStep = 5;          // Of 255, from pixel to pixel: how fast sky fades.
 constexpr double kMinSkyShare = 2e-4;
 constexpr double kChromaReach = 0.022;
-constexpr double kDarkNoise = 4.0;            // Of 255: what noise and JPEG do to the chromaticity of dark pixels.
-constexpr double kDeepestShade = 0.18;       // Of the lit ground's median.
+constexpr double kDarkNoise = 4.0;      // Of 255: what noise and JPEG do to the chromaticity of dark pixels.
+constexpr double kDeepestShade = 0.18;  // Of the lit ground's median.
 constexpr int kMinSpeck_px = 8;
 
 /// Height of each pixel's ray above the horizon, as a tangent: affine in the pixel.
@@ -44,7 +46,8 @@ struct Horizon {
 };
 
 double Quantile(std::vector<float>& values, double share) {
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto nth =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), nth, values.end());
   return *nth;
 }
@@ -142,13 +145,15 @@ double LeastSkyBrightness(const cv::Mat3b& smooth, const Horizon& horizon, const
   std::vector<float> values;
   for (int y = 0; y < seen.rows; ++y) {
     for (int x = 0; x < seen.cols; ++x) {
-      if (seen(y, x) == 0 && horizon.Rise(x, y) > kSurelySkyRise) values.push_back(static_cast<float>(Brightness(smooth(y, x))));
+      if (seen(y, x) == 0 && horizon.Rise(x, y) > kSurelySkyRise)
+        values.push_back(static_cast<float>(Brightness(smooth(y, x))));
     }
   }
   return values.empty() ? 0.0 : kDarkestSky * Quantile(values, 0.5);
 }
 
-/// Sky fades smoothly downward from what is surely sky; the colours met on the way are then sky in openings too.
+/// Sky fades smoothly downward from what is surely sky; the colours met on the way are then sky in openings
+/// too.
 void MarkSky(const cv::Mat3b& smooth, const Horizon& horizon, cv::Mat1b& seen) {
   const double least = LeastSkyBrightness(smooth, horizon, seen);
   ColorSet high;
@@ -166,7 +171,8 @@ void MarkSky(const cv::Mat3b& smooth, const Horizon& horizon, cv::Mat1b& seen) {
       if (seen(y, x) != 0 || horizon.Rise(x, y) <= 0.0) continue;
       const cv::Vec3b& color = smooth(y, x);
       if (Brightness(color) < least) continue;
-      const bool goes_on = y > 0 && faded(y - 1, x) != 0 && LargestStep(color, smooth(y - 1, x)) <= kMaxSkyStep;
+      const bool goes_on =
+          y > 0 && faded(y - 1, x) != 0 && LargestStep(color, smooth(y - 1, x)) <= kMaxSkyStep;
       if (!goes_on && !(horizon.Rise(x, y) > kSurelySkyRise && high.Has(color))) continue;
       faded(y, x) = 1;
       all.Add(color);
@@ -197,7 +203,7 @@ struct Chroma {
 struct Tone {
   double red = 0.0;
   double green = 0.0;
-  double spread = 0.0;   ///< Median absolute deviation of the chromaticity.
+  double spread = 0.0;  ///< Median absolute deviation of the chromaticity.
 
   bool Explains(const Chroma& seen) const {
     const double reach = kChromaReach + 3.0 * spread + kDarkNoise / std::max(1.0F, seen.sum);

@@ -19,7 +19,8 @@ double MeetSegment(const Eigen::Vector2d& origin, const Eigen::Vector2d& directi
   if (denominator == 0.0) return std::numeric_limits<double>::infinity();
   const double along = Cross(a - origin, b - a) / denominator;
   const double share = Cross(a - origin, direction) / denominator;
-  if (!(along > kSameWall_m) || !(share >= 0.0 && share < 1.0)) return std::numeric_limits<double>::infinity();
+  if (!(along > kSameWall_m) || !(share >= 0.0 && share < 1.0))
+    return std::numeric_limits<double>::infinity();
   return along;
 }
 
@@ -52,7 +53,8 @@ std::optional<WayOut> FindWayOut(const Polygon& footprint, int side, double u_m)
   }
   for (const Ring& hole : footprint.holes) {
     for (std::size_t i = 0; i < hole.size(); ++i) {
-      if (MeetSegment(origin, inward, hole[i], hole[(i + 1) % hole.size()]) < out.length_m) return std::nullopt;
+      if (MeetSegment(origin, inward, hole[i], hole[(i + 1) % hole.size()]) < out.length_m)
+        return std::nullopt;
     }
   }
   if (out.side < 0 || out.side == side) return std::nullopt;

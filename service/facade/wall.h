@@ -8,8 +8,8 @@
 
 namespace soffit {
 
-/// The vertical plane on one side of a footprint. Wall coordinates: u [m] to the right as seen from outside, from the
-/// side's first corner; v [m] up from the ground.
+/// The vertical plane on one side of a footprint. Wall coordinates: u [m] to the right as seen from outside,
+/// from the side's first corner; v [m] up from the ground.
 struct Wall {
   Eigen::Vector2d first_corner_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d along = Eigen::Vector2d::UnitX();     ///< Unit.
@@ -29,14 +29,16 @@ struct Wall {
 /// The wall on side `side` (corner `side` to the next) of a counter-clockwise ring.
 Wall WallOf(const Ring& outer, int side);
 
-/// Where a horizontal line that goes into a building at `u_m` of wall `side`, at right angles to it, comes out again.
+/// Where a horizontal line that goes into a building at `u_m` of wall `side`, at right angles to it, comes
+/// out again.
 struct WayOut {
   int side = -1;
   double u_m = 0.0;       ///< On the wall where it comes out.
   double length_m = 0.0;  ///< Inside the building.
 };
 
-/// None when the line leaves through a courtyard, or through a wall that is not roughly (20 degrees) opposite.
+/// None when the line leaves through a courtyard, or through a wall that is not roughly (20 degrees)
+/// opposite.
 std::optional<WayOut> FindWayOut(const Polygon& footprint, int side, double u_m);
 
 }  // namespace soffit

@@ -8,7 +8,7 @@ namespace soffit {
 namespace {
 
 constexpr double kSameDimension_m = 1e-6;
-constexpr double kOffAxis_m = 0.3;      // Of a look along a corridor; the decision may have moved it since.
+constexpr double kOffAxis_m = 0.3;  // Of a look along a corridor; the decision may have moved it since.
 constexpr double kBeyondEntry_m = 0.2;
 
 bool IsSame(const VehicleEnvelope& a, const VehicleEnvelope& b) {

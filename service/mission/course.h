@@ -17,9 +17,9 @@ struct Course {
   std::string reasons;                     ///< Of all decisions, for people.
 };
 
-/// From where this corridor was looked along: a place before its entry and on its axis, from which the entry is reached
-/// in a straight line. None: it was not. Corridors are told apart by where they are: the walls of a building may be
-/// numbered anew with each picture.
+/// From where this corridor was looked along: a place before its entry and on its axis, from which the entry
+/// is reached in a straight line. None: it was not. Corridors are told apart by where they are: the walls of
+/// a building may be numbered anew with each picture.
 std::optional<Eigen::Vector3d> PlaceOfLookAlong(const Corridor& corridor, const Mission& mission);
 
 /// Leave to enter gives a CLEAR of the newest scene revision, for the dimensions that the vehicle states now.

@@ -29,7 +29,8 @@ HorizontalViews CollectHorizontalViews(const std::vector<Observation>& observati
 }
 
 /// Of all pictures: the horizontal ones as they were adjusted, those from above as they are.
-std::vector<Sight> CollectSights(const std::vector<Observation>& observations, const HorizontalViews& horizontal) {
+std::vector<Sight> CollectSights(const std::vector<Observation>& observations,
+                                 const HorizontalViews& horizontal) {
   std::vector<Sight> sights = horizontal.sights;
   for (const Observation& seen : observations) {
     if (IsFromAbove(seen.image.purpose)) sights.push_back(seen.sight);
@@ -44,7 +45,8 @@ std::vector<Footprint> MakeVectorMap(const std::vector<Observation>& observation
 }
 
 /// Only whole shapes can be recognized; `Match::shapes` of the answer index `map`.
-std::vector<Match> Recognize(const std::vector<Footprint>& map, const Reference& reference, const MatchOptions& options) {
+std::vector<Match> Recognize(const std::vector<Footprint>& map, const Reference& reference,
+                             const MatchOptions& options) {
   std::vector<std::size_t> whole;
   std::vector<TracedShape> shapes;
   for (std::size_t i = 0; i < map.size(); ++i) {
@@ -62,9 +64,11 @@ std::vector<Match> Recognize(const std::vector<Footprint>& map, const Reference&
 }
 
 /// The wanted objects are those of the best match, unless another place fits about as well.
-std::vector<SceneObject> MarkWanted(const std::vector<Footprint>& map, const std::vector<Match>& matches, int neighbours) {
+std::vector<SceneObject> MarkWanted(const std::vector<Footprint>& map, const std::vector<Match>& matches,
+                                    int neighbours) {
   std::vector<SceneObject> objects;
-  for (const Footprint& footprint : map) objects.push_back({footprint, false, {}, FindNeighbours(footprint, map, neighbours)});
+  for (const Footprint& footprint : map)
+    objects.push_back({footprint, false, {}, FindNeighbours(footprint, map, neighbours)});
   if (matches.empty() || matches.front().is_ambiguous) return objects;
   for (const std::size_t shape : matches.front().shapes) {
     objects[shape].is_matched = true;
@@ -74,7 +78,8 @@ std::vector<SceneObject> MarkWanted(const std::vector<Footprint>& map, const std
 }
 
 /// Fits the best match once more, to the footprints as the models adjusted them.
-void RefineMatch(std::vector<SceneObject>& objects, Match& match, const Reference& reference, const MatchOptions& options) {
+void RefineMatch(std::vector<SceneObject>& objects, Match& match, const Reference& reference,
+                 const MatchOptions& options) {
   std::vector<TracedShape> shapes;
   for (const std::size_t shape : match.shapes) shapes.push_back({objects[shape].footprint.polygon_in_map_m});
   const std::vector<Match> found = FindMatches(shapes, reference, options);
@@ -94,13 +99,15 @@ std::string DescribeRecognition(const std::vector<Match>& matches) {
          " places that fit about as well: give a reference with its neighbours";
 }
 
-/// The model of a wanted building has what the horizontal pictures show of its walls, that of another one is plain.
-/// The pictures that show a wanted building are adjusted to it. A stage that throws has a bug or met a library's failure: the building stays unknown then.
+/// The model of a wanted building has what the horizontal pictures show of its walls, that of another one is
+/// plain. The pictures that show a wanted building are adjusted to it. A stage that throws has a bug or met a
+/// library's failure: the building stays unknown then.
 Result<Solid> ModelObject(const SceneObject& object, HorizontalViews& views, const PipelineOptions& options,
                           std::vector<Facade>& facades) try {
   if (!object.is_matched) return RaiseSolid(object.footprint, {}, options.solid);
   const Alignment aligned = AlignSights(object.footprint, views.masks, views.sights, options.facade);
-  std::vector<Facade> walls = ReadFacades(aligned.footprint, views.images, views.masks, aligned.sights, options.facade);
+  std::vector<Facade> walls =
+      ReadFacades(aligned.footprint, views.images, views.masks, aligned.sights, options.facade);
   views.sights = aligned.sights;
   facades.insert(facades.end(), walls.begin(), walls.end());
   return RaiseSolid(aligned.footprint, walls, options.solid);
@@ -108,7 +115,8 @@ Result<Solid> ModelObject(const SceneObject& object, HorizontalViews& views, con
   return Error{Error::Code::kInternal, failure.what()};
 }
 
-ClearanceDecision Undecided(std::uint32_t object_id, const std::string& problem, const VehicleEnvelope& vehicle) {
+ClearanceDecision Undecided(std::uint32_t object_id, const std::string& problem,
+                            const VehicleEnvelope& vehicle) {
   ClearanceDecision decision;
   decision.object_id = object_id;
   decision.reason = problem;
@@ -116,8 +124,9 @@ ClearanceDecision Undecided(std::uint32_t object_id, const std::string& problem,
   return decision;
 }
 
-std::vector<ClearanceDecision> Decide(const Scene& scene, std::uint32_t object_id, const std::vector<Sight>& sights,
-                                      const VehicleEnvelope& vehicle, const PipelineOptions& options) try {
+std::vector<ClearanceDecision> Decide(const Scene& scene, std::uint32_t object_id,
+                                      const std::vector<Sight>& sights, const VehicleEnvelope& vehicle,
+                                      const PipelineOptions& options) try {
   const std::vector<Corridor> corridors = PlanCorridors(scene, object_id, vehicle, options.corridor);
   return JudgeClearance(scene, object_id, corridors, sights, vehicle, options.clearance);
 } catch (const std::exception& failure) {
@@ -143,13 +152,15 @@ Result<Observation> Observe(const Capture& capture, const PipelineOptions& optio
 }
 
 Understanding Understand(const std::vector<Observation>& observations, const Reference& reference,
-                         const VehicleEnvelope& vehicle, std::uint64_t revision, const PipelineOptions& options) {
+                         const VehicleEnvelope& vehicle, std::uint64_t revision,
+                         const PipelineOptions& options) {
   Understanding all;
   HorizontalViews views = CollectHorizontalViews(observations);
   std::vector<Footprint> map = MakeVectorMap(observations);
   all.matches = Recognize(map, reference, options.match);
   std::vector<SceneObject> objects = MarkWanted(map, all.matches, options.scene.neighbours);
-  if (const std::string problem = DescribeRecognition(all.matches); !problem.empty()) all.problems.push_back(problem);
+  if (const std::string problem = DescribeRecognition(all.matches); !problem.empty())
+    all.problems.push_back(problem);
 
   std::vector<Solid> solids;
   for (SceneObject& object : objects) {
@@ -164,15 +175,17 @@ Understanding Understand(const std::vector<Observation>& observations, const Ref
     }
   }
 
-  const bool is_found = std::any_of(objects.begin(), objects.end(), [](const auto& object) { return object.is_matched; });
+  const bool is_found =
+      std::any_of(objects.begin(), objects.end(), [](const auto& object) { return object.is_matched; });
   if (is_found) RefineMatch(objects, all.matches.front(), reference, options.match);
 
   const std::vector<Sight> sights = CollectSights(observations, views);
   all.scene = BuildScene(revision, std::move(objects), std::move(solids), sights, options.scene);
   for (const SceneObject& object : all.scene.objects) {
     const std::uint32_t id = object.footprint.object_id;
-    const bool is_modelled = std::any_of(all.scene.solids.begin(), all.scene.solids.end(),
-                                         [id](const Solid& solid) { return solid.footprint.object_id == id; });
+    const bool is_modelled =
+        std::any_of(all.scene.solids.begin(), all.scene.solids.end(),
+                    [id](const Solid& solid) { return solid.footprint.object_id == id; });
     if (!object.is_matched || !is_modelled) continue;
     for (ClearanceDecision& decision : Decide(all.scene, id, sights, vehicle, options)) {
       all.decisions.push_back(std::move(decision));

@@ -59,12 +59,13 @@ Result<Observation> Observe(const Capture& capture, const PipelineOptions& optio
 /// What all pictures together show.
 struct Understanding {
   Scene scene;
-  std::vector<Match> matches;                  ///< Best first; `shapes` index `scene.objects`.
-  std::vector<Facade> facades;                 ///< Of the wanted objects.
-  std::vector<ClearanceDecision> decisions;    ///< Of the wanted objects.
-  std::vector<std::string> problems;           ///< For people: what could not be made, and why.
+  std::vector<Match> matches;                ///< Best first; `shapes` index `scene.objects`.
+  std::vector<Facade> facades;               ///< Of the wanted objects.
+  std::vector<ClearanceDecision> decisions;  ///< Of the wanted objects.
+  std::vector<std::string> problems;         ///< For people: what could not be made, and why.
 };
 Understanding Understand(const std::vector<Observation>& observations, const Reference& reference,
-                         const VehicleEnvelope& vehicle, std::uint64_t revision, const PipelineOptions& options);
+                         const VehicleEnvelope& vehicle, std::uint64_t revision,
+                         const PipelineOptions& options);
 
 }  // namespace soffit

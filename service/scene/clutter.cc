@@ -7,8 +7,8 @@
 namespace soffit {
 namespace {
 
-constexpr double kDownward = -0.9;     // Of the optical axis' rise.
-constexpr double kBeside_m = 0.15;     // From a building, seen or modelled: its edges are known no better.
+constexpr double kDownward = -0.9;  // Of the optical axis' rise.
+constexpr double kBeside_m = 0.15;  // From a building, seen or modelled: its edges are known no better.
 constexpr double kPoseSigmas = 3.0;
 
 }  // namespace
@@ -22,7 +22,8 @@ std::vector<Obstacle> FindClutter(const Sight& sight, const Prediction& predicti
     for (int x = sight.shown.x; x < sight.shown.br().x; ++x) {
       const bool is_predicted = prediction.label(y, x) == static_cast<uchar>(Seen::kStructure);
       is_building(y, x) = is_predicted || sight.seen(y, x) == static_cast<uchar>(Seen::kStructure) ? 255 : 0;
-      is_strange(y, x) = sight.seen(y, x) == static_cast<uchar>(Seen::kUnexplained) && !is_predicted ? 255 : 0;
+      is_strange(y, x) =
+          sight.seen(y, x) == static_cast<uchar>(Seen::kUnexplained) && !is_predicted ? 255 : 0;
     }
   }
   const double metre_px = sight.view.intrinsics.fx_px / std::max(0.1, pose.translation_m.z());

@@ -7,16 +7,18 @@
 namespace soffit {
 namespace {
 
-constexpr int kEdge_px = 2;           // How far a predicted edge and a seen one may lie apart.
-constexpr int kHorizon_px = 6;        // Ground fades into sky.
-constexpr int kMisfit_px = 6;         // Contradictions that stay so close to a predicted edge are no things.
+constexpr int kEdge_px = 2;     // How far a predicted edge and a seen one may lie apart.
+constexpr int kHorizon_px = 6;  // Ground fades into sky.
+constexpr int kMisfit_px = 6;   // Contradictions that stay so close to a predicted edge are no things.
 constexpr int kMostMisfit_px = 40;
 constexpr double kMisfitSigmas = 2.0;
 constexpr int kMinThing_px = 20;
-constexpr int kMinCovered_px = 12;    // Of the model: less does not tell that a thing is before it.
-constexpr double kFootShare = 0.12;   // Of the depth of a thing's foot: how well it is known.
+constexpr int kMinCovered_px = 12;   // Of the model: less does not tell that a thing is before it.
+constexpr double kFootShare = 0.12;  // Of the depth of a thing's foot: how well it is known.
 
-cv::Mat Square(int reach) { return cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * reach + 1, 2 * reach + 1)); }
+cv::Mat Square(int reach) {
+  return cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * reach + 1, 2 * reach + 1));
+}
 
 cv::Mat1b Only(const cv::Mat1b& labels, Seen wanted) {
   cv::Mat1b mask;
@@ -55,7 +57,8 @@ cv::Mat1b Border(const cv::Mat1b& mask, int reach) {
 int MisfitReach(const View& view, const Prediction& prediction) {
   double nearest = 0.0;
   cv::minMaxLoc(prediction.depth_m, &nearest);
-  const double std_px = view.intrinsics.fx_px * (view.orientation_std_rad + view.position_std_m / std::max(0.5, nearest));
+  const double std_px =
+      view.intrinsics.fx_px * (view.orientation_std_rad + view.position_std_m / std::max(0.5, nearest));
   return std::min(kMostMisfit_px, kMisfit_px + static_cast<int>(std::ceil(kMisfitSigmas * std_px)));
 }
 
@@ -63,7 +66,9 @@ int MisfitReach(const View& view, const Prediction& prediction) {
 
 Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& confirmed,
                    const Eigen::AlignedBox2d& region)
-    : capture_id_(sight.capture_id), view_(sight.view), camera_from_map_(sight.view.map_from_camera.Inverse()) {
+    : capture_id_(sight.capture_id),
+      view_(sight.view),
+      camera_from_map_(sight.view.map_from_camera.Inverse()) {
   SOFFIT_EXPECT(sight.seen.size() == prediction.label.size() && confirmed.size() == prediction.label.size());
   is_doubtful_ = cv::Mat1b(sight.seen.size(), uchar{0});
   Compare(sight, prediction);
@@ -83,7 +88,10 @@ void Evidence::Compare(const Sight& sight, const Prediction& prediction) {
   const cv::Mat1b structure = Only(prediction.label, Seen::kStructure);
   const cv::Mat1b ground = Only(prediction.label, Seen::kGround);
   const cv::Mat1b sky = Only(prediction.label, Seen::kSky);
-  const cv::Mat1b edge = Either(Border(structure, kEdge_px), Both(Grow(ground, kEdge_px), Grow(sky, kEdge_px)));
+  const double tilt_px = kMisfitSigmas * sight.view.intrinsics.fx_px * sight.view.orientation_std_rad;
+  const int mixed_px = std::min(kHorizon_px, kEdge_px + static_cast<int>(std::ceil(tilt_px)));
+  const cv::Mat1b edge =
+      Either(Border(structure, kEdge_px), Both(Grow(ground, mixed_px), Grow(sky, mixed_px)));
   const cv::Mat1b horizon = Both(Grow(ground, kHorizon_px), Grow(sky, kHorizon_px));
   const cv::Mat1b seen_ground = Only(sight.seen, Seen::kGround);
   const cv::Mat1b seen_sky = Only(sight.seen, Seen::kSky);
@@ -96,15 +104,15 @@ void Evidence::Compare(const Sight& sight, const Prediction& prediction) {
   reach_m_ = prediction.depth_m.clone();
 }
 
-/// Tells how far each connected thing that was not predicted can be: before the nearest part of the model that it
-/// covers, and where it meets the ground.
+/// Tells how far each connected thing that was not predicted can be: before the nearest part of the model
+/// that it covers, and where it meets the ground.
 void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
   cv::Mat stats, centers;
   cv::Mat1b is_strange = fails_.clone();
   is_strange.setTo(0, near_edge_);
   const int count = cv::connectedComponentsWithStats(is_strange, component_, stats, centers, 8, CV_32S);
   struct Trace {
-    std::vector<float> covered_m;   ///< Depths of the model that it covers.
+    std::vector<float> covered_m;  ///< Depths of the model that it covers.
     int foot_y = -1;
     int foot_x = 0;
   };
@@ -115,7 +123,8 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
       Trace& trace = traces[static_cast<std::size_t>(component_(y, x))];
       const bool is_on_model = prediction.label(y, x) == static_cast<uchar>(Seen::kStructure);
       if (is_on_model) trace.covered_m.push_back(prediction.depth_m(y, x));
-      const bool is_on_ground = y + 1 < component_.rows && sight.seen(y + 1, x) == static_cast<uchar>(Seen::kGround);
+      const bool is_on_ground =
+          y + 1 < component_.rows && sight.seen(y + 1, x) == static_cast<uchar>(Seen::kGround);
       if (is_on_ground) trace.foot_y = y, trace.foot_x = x;
     }
   }
@@ -128,8 +137,10 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
       thing.far_m = *std::max_element(trace.covered_m.begin(), trace.covered_m.end());
       continue;
     }
-    const bool is_whole = trace.foot_y == stats.at<int>(i, cv::CC_STAT_TOP) + stats.at<int>(i, cv::CC_STAT_HEIGHT) - 1;
-    const auto foot = MeetHorizontalPlane(view_, {static_cast<double>(trace.foot_x), trace.foot_y + 0.5}, 0.0);
+    const bool is_whole =
+        trace.foot_y == stats.at<int>(i, cv::CC_STAT_TOP) + stats.at<int>(i, cv::CC_STAT_HEIGHT) - 1;
+    const auto foot =
+        MeetHorizontalPlane(view_, {static_cast<double>(trace.foot_x), trace.foot_y + 0.5}, 0.0);
     if (trace.foot_y < 0 || !is_whole || !foot) continue;
     const double depth_m = (camera_from_map_ * Point<Map>{{foot->x(), foot->y(), 0.0}}).xyz_m.z();
     const double width_m = stats.at<int>(i, cv::CC_STAT_WIDTH) * depth_m / view_.intrinsics.fx_px;
@@ -171,7 +182,8 @@ Evidence::Sees Evidence::SeeThrough(const Eigen::Vector3d& center_in_map_m, doub
   const double y = k.fy_px * p.y() / p.z() + k.cy_px;
   const double half_x = k.fx_px * radius_m / (p.z() - radius_m);
   const double half_y = k.fy_px * radius_m / (p.z() - radius_m);
-  if (!(x - half_x >= 0.0 && y - half_y >= 0.0 && x + half_x <= fails_.cols - 1 && y + half_y <= fails_.rows - 1)) {
+  if (!(x - half_x >= 0.0 && y - half_y >= 0.0 && x + half_x <= fails_.cols - 1 &&
+        y + half_y <= fails_.rows - 1)) {
     return Sees::kNothing;
   }
   const int x0 = static_cast<int>(std::floor(x - half_x)), x1 = static_cast<int>(std::ceil(x + half_x));

@@ -9,53 +9,60 @@
 
 namespace soffit {
 
-/// What one picture proves of the ray of each of its pixels: how far it is free, and where something stands on it that
-/// the model does not have.
+/// What one picture proves of the ray of each of its pixels: how far it is free, and where something stands
+/// on it that the model does not have.
 ///
-/// A pixel proves its ray free when it shows what the model predicts: structure where a solid is met (free up to its
-/// surface), ground or sky where none is. Two pixels beside a predicted edge either side of it is accepted. Anything else
-/// may stand anywhere on the ray, which then proves nothing. Ground within `region` that no other picture confirms
-/// proves little: something near that is coloured like ground would look the same.
+/// A pixel proves its ray free when it shows what the model predicts: structure where a solid is met (free up
+/// to its surface), ground or sky where none is. Two pixels beside a predicted edge either side of it is
+/// accepted. Anything else may stand anywhere on the ray, which then proves nothing. Ground within `region`
+/// that no other picture confirms proves little: something near that is coloured like ground would look the
+/// same.
 class Evidence {
  public:
-  /// @param confirmed  1 where another picture shows the same ground, as of CheckGround(); size of the picture.
-  Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& confirmed, const Eigen::AlignedBox2d& region);
+  /// @param confirmed  1 where another picture shows the same ground, as of CheckGround(); size of the
+  /// picture.
+  Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& confirmed,
+           const Eigen::AlignedBox2d& region);
 
-  /// Whether every ray through the ball goes on free beyond it, and how sure that is. kSure: it ends on the model or in
-  /// the sky, which colours tell. kLikely: on ground; something may be coloured like it. kPerhaps: on ground that no
-  /// other picture confirms.
+  /// Whether every ray through the ball goes on free beyond it, and how sure that is. kSure: it ends on the
+  /// model or in the sky, which colours tell. kLikely: on ground; something may be coloured like it.
+  /// kPerhaps: on ground that no other picture confirms.
   enum class Sees { kNothing, kPerhaps, kLikely, kSure };
   Sees SeeThrough(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
 
-  /// Whether something that the model does not have, and that is near, may stand at this point: it covers a part of the
-  /// model that lies behind, or meets the ground here. What only shows before sky or far ground may be far away.
+  /// Whether something that the model does not have, and that is near, may stand at this point: it covers a
+  /// part of the model that lies behind, or meets the ground here. What only shows before sky or far ground
+  /// may be far away.
   bool ShowsThingAt(const Eigen::Vector3d& point_in_map_m) const;
 
   const Eigen::Vector3d& camera_in_map_m() const { return view_.map_from_camera.translation_m; }
   std::uint32_t capture_id() const { return capture_id_; }
 
  private:
-  /// A connected part of the picture that neither the model nor a misfit of its edges explains, with the depths between which it may be.
+  /// A connected part of the picture that neither the model nor a misfit of its edges explains, with the
+  /// depths between which it may be.
   struct Thing {
     float near_m = 0.0F;
-    float far_m = 0.0F;   ///< 0: it may be anywhere.
+    float far_m = 0.0F;  ///< 0: it may be anywhere.
   };
 
   void Compare(const Sight& sight, const Prediction& prediction);
-  void NoteUnconfirmedGround(const Prediction& prediction, const cv::Mat1b& confirmed, const Eigen::AlignedBox2d& region);
+  void NoteUnconfirmedGround(const Prediction& prediction, const cv::Mat1b& confirmed,
+                             const Eigen::AlignedBox2d& region);
   void FindThings(const Sight& sight, const Prediction& prediction);
 
   std::uint32_t capture_id_ = 0;
   View view_;
   Pose<Camera, Map> camera_from_map_;
-  cv::Mat1b fails_;         ///< 1: the pixel proves nothing.
-  cv::Mat1b near_edge_;     ///< Where a predicted edge is so close that a misfit of the model explains a contradiction.
-  cv::Mat1b is_doubtful_;   ///< 1: what it proves is kPerhaps.
-  cv::Mat1f reach_m_;       ///< Free depth, the least within the edge tolerance.
-  cv::Mat1i fail_sum_;      ///< Integral picture of `fails_`.
-  cv::Mat1i ground_sum_;    ///< Integral picture of where ground is predicted,
-  cv::Mat1i doubt_sum_;     ///< and of what is kPerhaps.
-  cv::Mat1i component_;     ///< Index into `things_`; 0: none.
+  cv::Mat1b fails_;        ///< 1: the pixel proves nothing.
+  cv::Mat1b near_edge_;    ///< Where a predicted edge is so close that a misfit of the model explains a
+                           ///< contradiction.
+  cv::Mat1b is_doubtful_;  ///< 1: what it proves is kPerhaps.
+  cv::Mat1f reach_m_;      ///< Free depth, the least within the edge tolerance.
+  cv::Mat1i fail_sum_;     ///< Integral picture of `fails_`.
+  cv::Mat1i ground_sum_;   ///< Integral picture of where ground is predicted,
+  cv::Mat1i doubt_sum_;    ///< and of what is kPerhaps.
+  cv::Mat1i component_;    ///< Index into `things_`; 0: none.
   std::vector<Thing> things_;
 };
 

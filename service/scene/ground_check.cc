@@ -10,23 +10,25 @@
 namespace soffit {
 namespace {
 
-constexpr int kMaxWidth_px = 800;       // Pictures are compared at no more.
-constexpr double kLevels = 60.0;        // Per unit of the natural logarithm of brightness: 8 bits hold all of it.
-constexpr double kDarkest = 4.0;        // Added to a brightness of 0 to 255, so that noise in the dark weighs less.
-constexpr int kMaxDispute = 13;         // Levels: 0.22 of the logarithm.
-constexpr int kMinDisputed_px = 5;      // Of the 25 about a pixel: single ones are noise, a rope makes a line.
-constexpr int kMinCommon_px = 400;      // That two pictures must share to be compared.
-constexpr std::array<int, 4> kReaches_px = {2, 4, 8, 14};  // By which two pictures may lie beside each other; worse
-constexpr double kReachSigmas = 1.5;                       // known places are not compared.
-constexpr double kOtherDirection = 0.94;  // Cosine (20 degrees): views that are nearer to each other see a thing alike.
-constexpr double kSameAzimuth = 0.966;    // Cosine (15 degrees): they see an upright thing alike,
-constexpr double kSteep = 0.82;           // unless one looks down steeply (sine).
+constexpr int kMaxWidth_px = 800;  // Pictures are compared at no more.
+constexpr double kLevels = 60.0;   // Per unit of the natural logarithm of brightness: 8 bits hold all of it.
+constexpr double kDarkest = 4.0;  // Added to a brightness of 0 to 255, so that noise in the dark weighs less.
+constexpr int kMaxDispute = 13;   // Levels: 0.22 of the logarithm.
+constexpr int kMinDisputed_px = 5;  // Of the 25 about a pixel: single ones are noise, a rope makes a line.
+constexpr int kMinCommon_px = 400;  // That two pictures must share to be compared.
+constexpr std::array<int, 4> kReaches_px = {2, 4, 8,
+                                            14};  // By which two pictures may lie beside each other; worse
+constexpr double kReachSigmas = 1.5;              // known places are not compared.
+constexpr double kOtherDirection =
+    0.94;  // Cosine (20 degrees): views that are nearer to each other see a thing alike.
+constexpr double kSameAzimuth = 0.966;  // Cosine (15 degrees): they see an upright thing alike,
+constexpr double kSteep = 0.82;         // unless one looks down steeply (sine).
 
 /// A picture as it is compared: the logarithm of its colours, at a size that all have about.
 struct Small {
-  double scale = 1.0;               ///< Small pixels per pixel.
+  double scale = 1.0;  ///< Small pixels per pixel.
   cv::Mat3b logs;
-  cv::Mat1b ground;                 ///< 255 where ground is predicted and no building is seen.
+  cv::Mat1b ground;                   ///< 255 where ground is predicted and no building is seen.
   Eigen::Matrix3d pixel_from_ground;  ///< Homogeneous; the third coordinate is the depth.
   Eigen::Matrix3d ground_from_pixel;
   Eigen::Vector3d camera_m;
@@ -69,7 +71,8 @@ Small Shrink(const Sight& sight, const Prediction& prediction) {
   const Intrinsics& k = sight.view.intrinsics;
   const double s = small.scale;  // Pixel centres are at integer coordinates.
   Eigen::Matrix3d pixel_from_camera;
-  pixel_from_camera << s * k.fx_px, 0.0, s * (k.cx_px + 0.5) - 0.5, 0.0, s * k.fy_px, s * (k.cy_px + 0.5) - 0.5, 0.0, 0.0, 1.0;
+  pixel_from_camera << s * k.fx_px, 0.0, s * (k.cx_px + 0.5) - 0.5, 0.0, s * k.fy_px,
+      s * (k.cy_px + 0.5) - 0.5, 0.0, 0.0, 1.0;
   small.pixel_from_ground = pixel_from_camera * camera_from_ground;
   small.ground_from_pixel = small.pixel_from_ground.inverse();
   small.camera_m = sight.view.map_from_camera.translation_m;
@@ -82,20 +85,23 @@ Small Shrink(const Sight& sight, const Prediction& prediction) {
 /// Another picture laid over this one along the ground.
 struct Overlay {
   cv::Mat3b logs;
-  cv::Mat1b is_known;       ///< 255 where the other picture shows this place of the ground.
-  cv::Mat1b is_elsewhere;   ///< 255 where it sees it from another direction.
-  cv::Mat1b reach;          ///< Index into `kReaches_px`: how far it may lie beside.
-  int blur_px = 1;          ///< How many pixels of this picture one of the other covers.
+  cv::Mat1b is_known;      ///< 255 where the other picture shows this place of the ground.
+  cv::Mat1b is_elsewhere;  ///< 255 where it sees it from another direction.
+  cv::Mat1b reach;         ///< Index into `kReaches_px`: how far it may lie beside.
+  int blur_px = 1;         ///< How many pixels of this picture one of the other covers.
 };
 
 /// By how many pixels of `base` the place of a point of the ground is uncertain between the two pictures.
-double Misfit_px(const Small& other, const Small& base, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+double Misfit_px(const Small& other, const Small& base, const Eigen::Vector3d& from,
+                 const Eigen::Vector3d& to) {
   const double base_m = from.norm();
   const double other_m = to.norm();
   const double fall = std::max(1e-3, to.z() / other_m);  // A flat ray meets the ground the farther off.
   const double along_m = other.position_std_m + other_m * other.orientation_std_rad / fall;
-  const double cross = std::abs(from.x() * to.y() - from.y() * to.x()) / std::max(1e-9, from.head<2>().norm() * to.head<2>().norm());
-  const double seen_m = along_m * std::max(cross, from.z() / base_m) + other.position_std_m + other_m * other.orientation_std_rad;
+  const double cross = std::abs(from.x() * to.y() - from.y() * to.x()) /
+                       std::max(1e-9, from.head<2>().norm() * to.head<2>().norm());
+  const double seen_m = along_m * std::max(cross, from.z() / base_m) + other.position_std_m +
+                        other_m * other.orientation_std_rad;
   return base.focal_px * (base.orientation_std_rad + (base.position_std_m + seen_m) / base_m);
 }
 
@@ -115,7 +121,8 @@ Overlay Lay(const Small& other, const Small& base) {
       if (!(pixel.z() > 0.0)) continue;
       source(y, x) = {static_cast<float>(pixel.x() / pixel.z()), static_cast<float>(pixel.y() / pixel.z())};
       const Eigen::Vector3d ground(place.x(), place.y(), 0.0);
-      const double misfit_px = kReachSigmas * Misfit_px(other, base, base.camera_m - ground, other.camera_m - ground);
+      const double misfit_px =
+          kReachSigmas * Misfit_px(other, base, base.camera_m - ground, other.camera_m - ground);
       std::size_t reach = 0;
       while (reach + 1 < kReaches_px.size() && kReaches_px[reach] < kReaches_px[0] + misfit_px) ++reach;
       if (kReaches_px[reach] < misfit_px) source(y, x) = {-1e4F, -1e4F};
@@ -123,18 +130,22 @@ Overlay Lay(const Small& other, const Small& base) {
       const Eigen::Vector3d from = (base.camera_m - ground).normalized();
       const Eigen::Vector3d to = (other.camera_m - ground).normalized();
       const bool is_steep = std::max(from.z(), to.z()) > kSteep;
-      const double azimuth = from.head<2>().dot(to.head<2>()) / std::max(1e-9, from.head<2>().norm() * to.head<2>().norm());
-      if (from.dot(to) < kOtherDirection && (is_steep || azimuth < kSameAzimuth)) overlay.is_elsewhere(y, x) = 255;
+      const double azimuth =
+          from.head<2>().dot(to.head<2>()) / std::max(1e-9, from.head<2>().norm() * to.head<2>().norm());
+      if (from.dot(to) < kOtherDirection && (is_steep || azimuth < kSameAzimuth))
+        overlay.is_elsewhere(y, x) = 255;
     }
   }
   cv::remap(other.logs, overlay.logs, source, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
   cv::remap(other.ground, overlay.is_known, source, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT);
   for (int y = 1; y + 1 < size.height; y += 8) {
     for (int x = 1; x + 1 < size.width; x += 8) {
-      if (overlay.is_known(y, x) == 0 || overlay.is_known(y + 1, x) == 0 || overlay.is_known(y, x + 1) == 0) continue;
+      if (overlay.is_known(y, x) == 0 || overlay.is_known(y + 1, x) == 0 || overlay.is_known(y, x + 1) == 0)
+        continue;
       const cv::Vec2f down = source(y + 1, x) - source(y, x);
       const cv::Vec2f right = source(y, x + 1) - source(y, x);
-      coarseness.push_back(static_cast<float>(1.0 / std::max(1e-3, std::min(cv::norm(down), cv::norm(right)))));
+      coarseness.push_back(
+          static_cast<float>(1.0 / std::max(1e-3, std::min(cv::norm(down), cv::norm(right)))));
     }
   }
   if (!coarseness.empty()) {
@@ -163,7 +174,8 @@ Range RangeAbout(const Overlay& overlay, int reach) {
   return range;
 }
 
-/// By how much brighter this picture was exposed, in levels: the median over what both show, for each channel.
+/// By how much brighter this picture was exposed, in levels: the median over what both show, for each
+/// channel.
 std::array<int, 3> MedianGain(const cv::Mat3b& logs, const Overlay& overlay, int& common) {
   std::array<std::array<int, 511>, 3> histogram{};
   common = 0;
@@ -172,7 +184,8 @@ std::array<int, 3> MedianGain(const cv::Mat3b& logs, const Overlay& overlay, int
       if (overlay.is_known(y, x) == 0) continue;
       ++common;
       for (int c = 0; c < 3; ++c) {
-        ++histogram[static_cast<std::size_t>(c)][static_cast<std::size_t>(logs(y, x)[c] - overlay.logs(y, x)[c] + 255)];
+        ++histogram[static_cast<std::size_t>(c)]
+                   [static_cast<std::size_t>(logs(y, x)[c] - overlay.logs(y, x)[c] + 255)];
       }
     }
   }
@@ -242,15 +255,18 @@ cv::Mat1b Settle(const Votes& votes, double scale, const Prediction& prediction,
   constexpr int kEnough = 2;
   cv::Mat1b confirmed(sight.seen.size(), uchar{0});
   for (int y = 0; y < sight.seen.rows; ++y) {
-    const int row = std::clamp(static_cast<int>(std::lround((y + 0.5) * scale - 0.5)), 0, votes.agree.rows - 1);
+    const int row =
+        std::clamp(static_cast<int>(std::lround((y + 0.5) * scale - 0.5)), 0, votes.agree.rows - 1);
     for (int x = 0; x < sight.seen.cols; ++x) {
       if (prediction.label(y, x) != static_cast<uchar>(Seen::kGround)) continue;
-      const int column = std::clamp(static_cast<int>(std::lround((x + 0.5) * scale - 0.5)), 0, votes.agree.cols - 1);
+      const int column =
+          std::clamp(static_cast<int>(std::lround((x + 0.5) * scale - 0.5)), 0, votes.agree.cols - 1);
       const int agree = votes.agree(row, column);
       const int differ = votes.differ(row, column);
       confirmed(y, x) = agree > 0 ? 1 : 0;
       uchar& seen = sight.seen(y, x);
-      if (seen == static_cast<uchar>(Seen::kGround) && differ > agree) seen = static_cast<uchar>(Seen::kUnexplained);
+      if (seen == static_cast<uchar>(Seen::kGround) && differ > agree)
+        seen = static_cast<uchar>(Seen::kUnexplained);
       const bool is_mark = seen == static_cast<uchar>(Seen::kUnexplained) && agree >= kEnough && differ == 0;
       if (is_mark) seen = static_cast<uchar>(Seen::kGround);
     }

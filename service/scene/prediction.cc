@@ -18,7 +18,8 @@ Corners ClipNear(const Corners& polygon) {
     const Eigen::Vector3d& a = polygon[i];
     const Eigen::Vector3d& b = polygon[(i + 1) % polygon.size()];
     if (a.z() >= kNear_m) kept.push_back(a);
-    if ((a.z() >= kNear_m) != (b.z() >= kNear_m)) kept.push_back(a + (kNear_m - a.z()) / (b.z() - a.z()) * (b - a));
+    if ((a.z() >= kNear_m) != (b.z() >= kNear_m))
+      kept.push_back(a + (kNear_m - a.z()) / (b.z() - a.z()) * (b - a));
   }
   return kept;
 }
@@ -66,7 +67,8 @@ void DrawGround(const View& view, Prediction& picture) {
       const double rise = rotation.row(2).dot(ray);
       const bool is_ground = rise < 0.0 && camera_height > 0.0;
       picture.label(y, x) = static_cast<uchar>(is_ground ? Seen::kGround : Seen::kSky);
-      picture.depth_m(y, x) = is_ground ? static_cast<float>(-camera_height / rise) : std::numeric_limits<float>::infinity();
+      picture.depth_m(y, x) =
+          is_ground ? static_cast<float>(-camera_height / rise) : std::numeric_limits<float>::infinity();
     }
   }
 }
@@ -84,9 +86,11 @@ Prediction Predict(const View& view, const std::vector<const Mesh*>& meshes) {
       in_camera.push_back((camera_from_map * Point<Map>{p}).xyz_m);
     }
     for (const std::array<int, 3>& t : mesh->triangles) {
-      const Corners clipped = ClipNear({in_camera[static_cast<std::size_t>(t[0])], in_camera[static_cast<std::size_t>(t[1])],
-                                        in_camera[static_cast<std::size_t>(t[2])]});
-      for (std::size_t i = 2; i < clipped.size(); ++i) Draw({clipped[0], clipped[i - 1], clipped[i]}, k, picture);
+      const Corners clipped =
+          ClipNear({in_camera[static_cast<std::size_t>(t[0])], in_camera[static_cast<std::size_t>(t[1])],
+                    in_camera[static_cast<std::size_t>(t[2])]});
+      for (std::size_t i = 2; i < clipped.size(); ++i)
+        Draw({clipped[0], clipped[i - 1], clipped[i]}, k, picture);
     }
   }
   return picture;

@@ -10,8 +10,8 @@ namespace soffit {
 
 /// What a camera would see of solids on a flat ground, pixel by pixel.
 struct Prediction {
-  cv::Mat1b label;      ///< Seen::kStructure, kGround or kSky.
-  cv::Mat1f depth_m;    ///< Along the optical axis; infinite for sky.
+  cv::Mat1b label;    ///< Seen::kStructure, kGround or kSky.
+  cv::Mat1f depth_m;  ///< Along the optical axis; infinite for sky.
 };
 
 Prediction Predict(const View& view, const std::vector<const Mesh*>& meshes);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kOtherDirection = 0.985;      // Cosine (10 degrees).
 constexpr double kVeryOtherDirection = 0.766;  // Cosine (40 degrees).
-constexpr std::size_t kMinThing = 8;        // Voxels: smaller groups are noise.
+constexpr std::size_t kMinThing = 8;           // Voxels: smaller groups are noise.
 
 /// The space that is mapped: whole voxels, aligned as OctoMap aligns them.
 struct Grid {
@@ -105,13 +105,14 @@ void MarkSolid(const Solid& solid, const Grid& grid, int x, int y, std::vector<b
   const Eigen::Vector3d center = grid.Center(x, y, 0);
   const double half = 0.499 * grid.voxel_m;
   for (const Eigen::Vector2d& offset :
-       {Eigen::Vector2d(0, 0), Eigen::Vector2d(-half, -half), Eigen::Vector2d(half, -half), Eigen::Vector2d(-half, half),
-        Eigen::Vector2d(half, half)}) {
+       {Eigen::Vector2d(0, 0), Eigen::Vector2d(-half, -half), Eigen::Vector2d(half, -half),
+        Eigen::Vector2d(-half, half), Eigen::Vector2d(half, half)}) {
     const std::vector<double> heights = Pierce(solid.mesh, center.head<2>() + offset);
     for (std::size_t i = 0; i + 1 < heights.size(); i += 2) {
       const int low = static_cast<int>(std::floor(heights[i] / grid.voxel_m + 1e-9)) - grid.first[2];
       const int high = static_cast<int>(std::ceil(heights[i + 1] / grid.voxel_m - 1e-9)) - grid.first[2];
-      for (int z = std::max(0, low); z < std::min(grid.count[2], high); ++z) occupied[static_cast<std::size_t>(z)] = true;
+      for (int z = std::max(0, low); z < std::min(grid.count[2], high); ++z)
+        occupied[static_cast<std::size_t>(z)] = true;
     }
   }
 }
@@ -131,10 +132,12 @@ struct Voxels {
   std::vector<Voxel> states;
 
   explicit Voxels(const Grid& laid)
-      : grid(laid), states(Size(laid.count[0]) * Size(laid.count[1]) * Size(laid.count[2]), Voxel::kUnknown) {}
+      : grid(laid),
+        states(Size(laid.count[0]) * Size(laid.count[1]) * Size(laid.count[2]), Voxel::kUnknown) {}
 
   bool Has(const Index& at) const {
-    return at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] < grid.count[0] && at[1] < grid.count[1] && at[2] < grid.count[2];
+    return at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] < grid.count[0] && at[1] < grid.count[1] &&
+           at[2] < grid.count[2];
   }
   Voxel& At(const Index& at) {
     return states[(Size(at[0]) * Size(grid.count[1]) + Size(at[1])) * Size(grid.count[2]) + Size(at[2])];
@@ -190,8 +193,9 @@ class Directions {
   double least_cosine_ = 1.0;
 };
 
-/// What is surely free is free. A thing that two pictures show from different directions outweighs what is likely free;
-/// what is perhaps free takes two pictures from very different directions, and none that shows a thing.
+/// What is surely free is free. A thing that two pictures show from different directions outweighs what is
+/// likely free; what is perhaps free takes two pictures from very different directions, and none that shows a
+/// thing.
 Voxel Judge(const std::vector<Evidence>& pictures, const Eigen::Vector3d& center, double radius_m) {
   Directions perhaps(center);
   Directions thing(center);
@@ -221,7 +225,9 @@ Voxels MapSpace(const Scene& scene, const std::vector<Evidence>& pictures, const
 
 /// All voxels of the same state that hang together with this one, by faces, edges or corners.
 std::vector<Index> Flood(const Index& start, Voxels& voxels, std::vector<bool>& is_taken) {
-  const auto number = [&](const Index& at) { return static_cast<std::size_t>(&voxels.At(at) - voxels.states.data()); };
+  const auto number = [&](const Index& at) {
+    return static_cast<std::size_t>(&voxels.At(at) - voxels.states.data());
+  };
   const Voxel state = voxels.At(start);
   std::vector<Index> group = {start};
   is_taken[number(start)] = true;
@@ -255,7 +261,8 @@ Obstacle Enclose(const std::vector<Index>& group, const Grid& grid, const std::v
   }
   const Index& some = group[group.size() / 2];
   for (const Evidence& picture : pictures) {
-    if (picture.ShowsThingAt(grid.Center(some[0], some[1], some[2]))) obstacle.captures.push_back(picture.capture_id());
+    if (picture.ShowsThingAt(grid.Center(some[0], some[1], some[2])))
+      obstacle.captures.push_back(picture.capture_id());
   }
   return obstacle;
 }
@@ -283,7 +290,8 @@ std::shared_ptr<const octomap::OcTree> PlantTree(Voxels& voxels) {
     const Voxel state = voxels.At(at);
     if (state == Voxel::kUnknown) return;
     const Eigen::Vector3d center = voxels.grid.Center(at[0], at[1], at[2]);
-    const float log_odds = state == Voxel::kFree ? tree->getClampingThresMinLog() : tree->getClampingThresMaxLog();
+    const float log_odds =
+        state == Voxel::kFree ? tree->getClampingThresMinLog() : tree->getClampingThresMaxLog();
     tree->setNodeValue(center.x(), center.y(), center.z(), log_odds, true);
   });
   tree->updateInnerOccupancy();
@@ -327,7 +335,8 @@ Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::
     const std::vector<cv::Mat1b> confirmed = CheckGround(predictions, trusted);
     for (std::size_t i = 0; i < trusted.size(); ++i) {
       pictures.emplace_back(trusted[i], predictions[i], confirmed[i], region);
-      for (Obstacle& thing : FindClutter(trusted[i], predictions[i])) scene.clutter.push_back(std::move(thing));
+      for (Obstacle& thing : FindClutter(trusted[i], predictions[i]))
+        scene.clutter.push_back(std::move(thing));
     }
   }
   Voxels voxels = MapSpace(scene, pictures, options);
@@ -336,7 +345,8 @@ Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::
   return scene;
 }
 
-std::vector<std::uint32_t> FindNeighbours(const Footprint& object, const std::vector<Footprint>& map, int count) {
+std::vector<std::uint32_t> FindNeighbours(const Footprint& object, const std::vector<Footprint>& map,
+                                          int count) {
   std::vector<std::pair<double, std::uint32_t>> others;
   const Eigen::Vector2d center = Centroid(object.polygon_in_map_m);
   for (const Footprint& other : map) {

@@ -5,8 +5,8 @@
 
 namespace soffit {
 
-Sweep SweepOctree(const octomap::OcTree& tree, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double radius_m,
-                  double bottom_m, double top_m) {
+Sweep SweepOctree(const octomap::OcTree& tree, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                  double radius_m, double bottom_m, double top_m) {
   const double voxel = tree.getResolution();
   const Eigen::Vector2d low = from.cwiseMin(to).array() - radius_m;
   const Eigen::Vector2d high = from.cwiseMax(to).array() + radius_m;
@@ -27,8 +27,8 @@ Sweep SweepOctree(const octomap::OcTree& tree, const Eigen::Vector2d& from, cons
         } else if (!tree.isNodeOccupied(node)) {
           ++sweep.free;
         } else {
-          const bool is_inside = distance + 0.71 * voxel <= radius_m && center.z() - 0.5 * voxel >= bottom_m &&
-                                 center.z() + 0.5 * voxel <= top_m;
+          const bool is_inside = distance + 0.71 * voxel <= radius_m &&
+                                 center.z() - 0.5 * voxel >= bottom_m && center.z() + 0.5 * voxel <= top_m;
           if (is_inside && !sweep.first_occupied_m) sweep.first_occupied_m = center;
           if (!is_inside) ++sweep.free;
         }

@@ -56,12 +56,14 @@ Mesh ToMesh(const Surface& surface) {
   for (const auto vertex : surface.vertices()) {
     const auto& p = surface.point(vertex);
     index[vertex] = static_cast<int>(mesh.vertices_in_map_m.size());
-    mesh.vertices_in_map_m.emplace_back(CGAL::to_double(p.x()), CGAL::to_double(p.y()), CGAL::to_double(p.z()));
+    mesh.vertices_in_map_m.emplace_back(CGAL::to_double(p.x()), CGAL::to_double(p.y()),
+                                        CGAL::to_double(p.z()));
   }
   for (const auto face : surface.faces()) {
     std::array<int, 3> triangle{};
     std::size_t corner = 0;
-    for (const auto vertex : surface.vertices_around_face(surface.halfedge(face))) triangle[corner++] = index[vertex];
+    for (const auto vertex : surface.vertices_around_face(surface.halfedge(face)))
+      triangle[corner++] = index[vertex];
     mesh.triangles.push_back(triangle);
   }
   return mesh;
@@ -71,7 +73,8 @@ Mesh ToMesh(const Surface& surface) {
 
 Result<Mesh> Subtract(const Prism& body, const std::vector<Prism>& cuts) {
   Surface rest = Raise(body);
-  if (!IsSolid(rest)) return InvalidInput("the footprint is not a simple counter-clockwise polygon with a height");
+  if (!IsSolid(rest))
+    return InvalidInput("the footprint is not a simple counter-clockwise polygon with a height");
   for (const Prism& cut : cuts) {
     Surface tool = Raise(cut);
     if (!IsSolid(tool)) return InvalidInput("an opening is not a simple counter-clockwise polygon");
@@ -80,7 +83,8 @@ Result<Mesh> Subtract(const Prism& body, const std::vector<Prism>& cuts) {
       return Error{Error::Code::kInternal, "cutting an opening leaves no 2-manifold"};
     }
     difference.collect_garbage();
-    if (!IsSolid(difference)) return Error{Error::Code::kInternal, "cutting an opening leaves no closed solid"};
+    if (!IsSolid(difference))
+      return Error{Error::Code::kInternal, "cutting an opening leaves no closed solid"};
     rest = std::move(difference);
   }
   return ToMesh(rest);

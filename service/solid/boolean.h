@@ -15,8 +15,8 @@ struct Prism {
   Eigen::Vector3d sweep_m = Eigen::Vector3d::UnitZ();
 };
 
-/// `body` less all `cuts`, by corefinement with exact constructions (CGAL, Polygon Mesh Processing: S. Loriot et al.).
-/// An error when a prism is degenerate or the difference is not a solid.
+/// `body` less all `cuts`, by corefinement with exact constructions (CGAL, Polygon Mesh Processing: S. Loriot
+/// et al.). An error when a prism is degenerate or the difference is not a solid.
 Result<Mesh> Subtract(const Prism& body, const std::vector<Prism>& cuts);
 
 }  // namespace soffit

@@ -11,8 +11,8 @@
 namespace soffit {
 namespace {
 
-constexpr double kOvercut_m = 0.01;   // Cuts reach this far out of the solid, so that no faces coincide.
-constexpr double kMinOverlap = 0.5;   // Of the smaller mouth's width: less is no counterpart.
+constexpr double kOvercut_m = 0.01;  // Cuts reach this far out of the solid, so that no faces coincide.
+constexpr double kMinOverlap = 0.5;  // Of the smaller mouth's width: less is no counterpart.
 
 struct Extent {
   double left = 0.0, right = 0.0, bottom = 0.0, top = 0.0;
@@ -38,7 +38,8 @@ struct Profile {
       const Eigen::Vector2d& b = ring[(i + 1) % ring.size()];
       if ((a.x() < u && b.x() < u) || (a.x() > u && b.x() > u)) continue;
       const double share = a.x() == b.x() ? 0.0 : (u - a.x()) / (b.x() - a.x());
-      for (const double v : {a.y() + share * (b.y() - a.y()), a.x() == b.x() ? b.y() : a.y() + share * (b.y() - a.y())}) {
+      for (const double v :
+           {a.y() + share * (b.y() - a.y()), a.x() == b.x() ? b.y() : a.y() + share * (b.y() - a.y())}) {
         if (!span) span = Eigen::Vector2d(v, v);
         span->x() = std::min(span->x(), v);
         span->y() = std::max(span->y(), v);
@@ -63,8 +64,9 @@ Ring CommonPart(const Ring& a, const Ring& b) {
   }
   std::sort(stations.begin(), stations.end());
   const double tiny = 1e-6 * (right - left);
-  stations.erase(std::unique(stations.begin(), stations.end(), [&](double p, double q) { return q - p < tiny; }),
-                 stations.end());
+  stations.erase(
+      std::unique(stations.begin(), stations.end(), [&](double p, double q) { return q - p < tiny; }),
+      stations.end());
   if (stations.size() < 2) return {};
   Ring lower, upper;
   for (std::size_t i = 0; i < stations.size(); ++i) {
@@ -139,7 +141,8 @@ struct Assembly {
     std::size_t index = 0;
     Ring section;
   };
-  /// The opening of `facade` that shows something beyond and shares most with `ring` (in coordinates of `wall`).
+  /// The opening of `facade` that shows something beyond and shares most with `ring` (in coordinates of
+  /// `wall`).
   std::optional<Counterpart> FindCounterpart(const Facade& facade, const Wall& wall, const Ring& ring) const {
     const Wall other = WallOf(footprint.polygon_in_map_m.outer, facade.side);
     std::optional<Counterpart> best;
@@ -192,7 +195,8 @@ struct Assembly {
     }
     double reach = way->length_m;  // The exit wall may be slanted: cut as far as its farther end.
     for (const double u : {extent.left, extent.right}) {
-      if (const auto end = FindWayOut(footprint.polygon_in_map_m, facade.side, u); end && end->side == way->side) {
+      if (const auto end = FindWayOut(footprint.polygon_in_map_m, facade.side, u);
+          end && end->side == way->side) {
         reach = std::max(reach, end->length_m);
       }
     }
@@ -204,13 +208,15 @@ struct Assembly {
     const Opening& opening = facade.openings[index];
     const Wall wall = WallOf(footprint.polygon_in_map_m.outer, facade.side);
     List(facade.side, opening.ring_in_wall_m, opening, false);
-    if (opening.depth_m > 0.0) cuts.push_back(CutFor(wall, opening.ring_in_wall_m, -kOvercut_m, opening.depth_m));
+    if (opening.depth_m > 0.0)
+      cuts.push_back(CutFor(wall, opening.ring_in_wall_m, -kOvercut_m, opening.depth_m));
   }
 };
 
 }  // namespace
 
-Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades, const SolidOptions& options) {
+Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades,
+                         const SolidOptions& options) {
   SOFFIT_EXPECT(IsValidOptions(options));
   const Polygon& polygon = footprint.polygon_in_map_m;
   if (polygon.outer.size() < 3 || !IsSimple(polygon.outer) || !(SignedArea(polygon.outer) > 0.0)) {
@@ -228,11 +234,13 @@ Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& 
     }
   }
   if (!(solid.footprint.height_m > 0.0)) {
-    return Error{Error::Code::kUnavailable, "its height is not known: a picture of a wall with its upper edge is needed"};
+    return Error{Error::Code::kUnavailable,
+                 "its height is not known: a picture of a wall with its upper edge is needed"};
   }
   for (const Ring& hole : polygon.holes) {
     Ring turned(hole.rbegin(), hole.rend());
-    assembly.cuts.push_back({std::move(turned), Up({0.0, 0.0}, -kOvercut_m), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
+    assembly.cuts.push_back({std::move(turned), Up({0.0, 0.0}, -kOvercut_m), Eigen::Vector3d::UnitX(),
+                             Eigen::Vector3d::UnitY(),
                              (solid.footprint.height_m + 2.0 * kOvercut_m) * Eigen::Vector3d::UnitZ()});
   }
   for (const Facade& facade : facades) {

@@ -21,7 +21,7 @@ struct Mesh {
 
 /// An opening as a planar polygon in the map.
 struct SolidOpening {
-  int wall = -1;                                  ///< Side of the footprint; -1: the roof.
+  int wall = -1;  ///< Side of the footprint; -1: the roof.
   std::vector<Eigen::Vector3d> polygon_in_map_m;
   bool is_through = false;
   double depth_m = 0.0;
@@ -32,22 +32,22 @@ struct SolidOpening {
 struct Passage {
   int entry_wall = -1;
   int exit_wall = -1;
-  std::size_t entry_opening = 0;        ///< Index into Solid::openings.
+  std::size_t entry_opening = 0;  ///< Index into Solid::openings.
   std::size_t exit_opening = 0;
-  Ring section_m;                       ///< Common part of both mouths, in coordinates of the entry wall; simple.
-  double length_m = 0.0;                ///< Inside the building.
-  double std_m = 0.0;                   ///< Of the sides of `section_m`.
-  bool was_seen_from_both_sides = false;///< False: the far mouth was inferred from the near one.
+  Ring section_m;         ///< Common part of both mouths, in coordinates of the entry wall; simple.
+  double length_m = 0.0;  ///< Inside the building.
+  double std_m = 0.0;     ///< Of the sides of `section_m`.
+  bool was_seen_from_both_sides = false;  ///< False: the far mouth was inferred from the near one.
 };
 
 /// Closed, oriented 2-manifold model of one building.
 struct Solid {
-  Footprint footprint;   ///< As adjusted to all pictures.
-  Mesh mesh;             ///< Passed IsClosedManifold().
+  Footprint footprint;  ///< As adjusted to all pictures.
+  Mesh mesh;            ///< Passed IsClosedManifold().
   double volume_m3 = 0.0;
   std::vector<SolidOpening> openings;
   std::vector<Passage> passages;
-  std::vector<int> unseen_walls;   ///< Nothing is known of openings in these.
+  std::vector<int> unseen_walls;  ///< Nothing is known of openings in these.
 };
 
 struct SolidOptions {
@@ -55,17 +55,20 @@ struct SolidOptions {
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& field) {
-    field("min_wall_m", self.min_wall_m, OptionInfo{0.0, 10.0, "m", "Thinner leftovers between openings are removed"});
+    field("min_wall_m", self.min_wall_m,
+          OptionInfo{0.0, 10.0, "m", "Thinner leftovers between openings are removed"});
   }
 };
 
-/// The solid of one building: the footprint raised to its height, less its recesses and passages; in other words the
-/// common part of what the pictures show (paper, section 2.6). An error when the result is not a closed 2-manifold.
+/// The solid of one building: the footprint raised to its height, less its recesses and passages; in other
+/// words the common part of what the pictures show (paper, section 2.6). An error when the result is not a
+/// closed 2-manifold.
 ///
-/// A passage is cut where two openings that show something beyond lie opposite each other, or where one has a wall
-/// opposite that was not seen; an opening whose opposite wall was seen closed does not lead through, whatever
-/// is seen in it. A passage is a proposal: whether it is free is for the scene to say.
-Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades, const SolidOptions& options);
+/// A passage is cut where two openings that show something beyond lie opposite each other, or where one has a
+/// wall opposite that was not seen; an opening whose opposite wall was seen closed does not lead through,
+/// whatever is seen in it. A passage is a proposal: whether it is free is for the scene to say.
+Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades,
+                         const SolidOptions& options);
 
 /// Every edge has exactly two triangles in opposite directions, and the volume is positive.
 bool IsClosedManifold(const Mesh& mesh);

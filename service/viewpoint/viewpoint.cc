@@ -14,6 +14,8 @@ constexpr double kSeenIncidence_rad =
     0.8;                                // A wall seen under a greater angle to its normal is not seen well.
 constexpr double kLowViewRatio = 0.15;  // Height of a level camera over the height of the wall.
 constexpr double kLeastUnknownHeight_m = 3.0;
+constexpr double kOtherHorizon_m =
+    0.3;  // Haze hides what is at a camera's own height: opposite views differ in it.
 constexpr double kLeastTangent = 0.02;  // Of a field of view, for optical axes near the picture's edge.
 
 /// Tangents of the angles from the optical axis to the nearer edges of the picture, less what framing leaves
@@ -95,8 +97,8 @@ bool SeesSide(const Eigen::Vector2d& place, const Ring& ring, std::size_t side,
 }
 
 /// Off buildings by `distance_m`, off other things (without an id) by what the envelope needs.
-bool IsFree(const Eigen::Vector2d& place, const Footprint& object, const std::vector<Footprint>& map, double distance_m,
-            double envelope_m) {
+bool IsFree(const Eigen::Vector2d& place, const Footprint& object, const std::vector<Footprint>& map,
+            double distance_m, double envelope_m) {
   const auto is_free_of = [&](const Footprint& footprint) {
     const Ring& ring = footprint.polygon_in_map_m.outer;
     const double keep_m = footprint.object_id == 0 ? envelope_m : distance_m;
@@ -192,6 +194,11 @@ std::vector<std::size_t> OrderSides(const Ring& ring) {
   return order;
 }
 
+/// Whether the view looks in about the opposite direction of the first one.
+bool LooksBack(const Viewpoint& view, const std::vector<Viewpoint>& views) {
+  return !views.empty() && std::cos(view.yaw_rad - views.front().yaw_rad) < -0.5;
+}
+
 }  // namespace
 
 Viewpoint PlanOverview(const Eigen::Vector2d& center_in_map_m, double radius_m, const Intrinsics& camera,
@@ -262,7 +269,8 @@ std::optional<Viewpoint> PlanWall(const Footprint& object, int side, const std::
     while (!FitsSideways(look, curve, field)) look.distance_m *= 1.02;
     for (const double farther : {1.0, 1.2, 1.45}) {
       const LevelLook tried{target, look.heading, look.distance_m * farther};
-      if (!IsFree(tried.Place(), object, others, keep_off_m, vehicle.radius_m + vehicle.safety_margin_m)) continue;
+      if (!IsFree(tried.Place(), object, others, keep_off_m, vehicle.radius_m + vehicle.safety_margin_m))
+        continue;
       if (!SeesSide(tried.Place(), ring, wall, others)) continue;
       return Viewpoint{Purpose::kWall,
                        {tried.Place().x(), tried.Place().y(), altitude_m},
@@ -308,6 +316,7 @@ std::vector<Viewpoint> PlanWalls(const Footprint& object, const std::vector<Foot
         PlanWall(object, static_cast<int>(side), others, camera, vehicle, options);
     if (!view) continue;
     view->reason = NameOfSide(rank);
+    if (LooksBack(*view, views)) view->position_in_map_m.z() += kOtherHorizon_m;
     views.push_back(*view);
   }
   return views;

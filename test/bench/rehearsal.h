@@ -18,7 +18,7 @@ struct RehearsalResult {
   std::string message;  ///< Why the mission ended so.
   int pictures = 0;
   int contacts = 0;
-  std::string first_contact;      ///< With what, and where; empty: none.
+  std::string first_contact;  ///< With what, and where; empty: none.
   bool was_passage_flown = false;
   bool was_flown_wrongly = false;  ///< Under what is not truly passable.
   double least_distance_m = -1.0;  ///< Of the bare vehicle to anything but the ground; negative: did not fly.

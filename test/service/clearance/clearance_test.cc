@@ -14,10 +14,12 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 const VehicleEnvelope kVehicle{0.35, 0.30, 0.25};
-const std::vector<View> kAllSides = {test::FromSouth(), test::FromNorth(), test::FromEast(), test::FromWest()};
+const std::vector<View> kAllSides = {test::FromSouth(), test::FromNorth(), test::FromEast(),
+                                     test::FromWest()};
 
 /// From painted pictures to decisions, with the stages as they are chained in the service.
-std::vector<ClearanceDecision> Judge(const Arch& arch, const std::vector<View>& views, const std::vector<Thing>& more = {}) {
+std::vector<ClearanceDecision> Judge(const Arch& arch, const std::vector<View>& views,
+                                     const std::vector<Thing>& more = {}) {
   std::vector<Thing> things = {arch.thing()};
   things.insert(things.end(), more.begin(), more.end());
   const auto seeing = test::Look(views, things);
@@ -94,8 +96,10 @@ TEST(JudgeClearance, BlocksAPoleInFront) {
 
 TEST(JudgeClearance, TakesAMarkOnTheGroundForGround) {
   const Thing mark = test::Block(test::Box(-0.3, -1.3, 0.3, -1.15), -0.01, 0.0005, {30, 60, 30});
-  const auto decisions = Judge({}, {test::FromSouth(), test::FromNorth(), test::FromEast(), test::FromWest(),
-                                    test::LevelView({-3.5, -4.0, 1.3}, 0.9)}, {mark});
+  const auto decisions = Judge({},
+                               {test::FromSouth(), test::FromNorth(), test::FromEast(), test::FromWest(),
+                                test::LevelView({-3.5, -4.0, 1.3}, 0.9)},
+                               {mark});
   EXPECT_EQ(decisions[0].verdict, Verdict::kClear) << decisions[0].reason;
 }
 
@@ -110,12 +114,13 @@ TEST_P(Hidden, IsNeverClear) {
 
 INSTANTIATE_TEST_SUITE_P(
     Obstacles, Hidden,
-    ::testing::Values(test::Block(test::Box(-0.8, -0.1, 0.8, 0.1), 0.6, 0.9, {20, 90, 140}),          // A wooden beam.
-                      test::Block(test::Box(-0.8, -0.1, 0.8, 0.1), 0.5, 0.8, test::kBlueWall),        // Painted as the walls.
-                      test::Block(test::Box(-0.4, -0.3, 0.4, 0.3), 0.0, 0.9, {40, 80, 120}),          // A box inside.
-                      test::Block(test::Box(-0.4, -0.3, 0.4, 0.3), 0.0, 0.6, {70, 71, 72}),           // As grey as shade.
-                      test::Block(test::Box(-0.8, 0.0, 0.8, 0.02), 0.0, 1.5, {90, 90, 90}),           // A pane.
-                      test::Block(test::Box(-0.06, -0.06, 0.06, 0.06), 0.0, 1.5, {60, 90, 90})));     // A post.
+    ::testing::Values(
+        test::Block(test::Box(-0.8, -0.1, 0.8, 0.1), 0.6, 0.9, {20, 90, 140}),       // A wooden beam.
+        test::Block(test::Box(-0.8, -0.1, 0.8, 0.1), 0.5, 0.8, test::kBlueWall),     // Painted as the walls.
+        test::Block(test::Box(-0.4, -0.3, 0.4, 0.3), 0.0, 0.9, {40, 80, 120}),       // A box inside.
+        test::Block(test::Box(-0.4, -0.3, 0.4, 0.3), 0.0, 0.6, {70, 71, 72}),        // As grey as shade.
+        test::Block(test::Box(-0.8, 0.0, 0.8, 0.02), 0.0, 1.5, {90, 90, 90}),        // A pane.
+        test::Block(test::Box(-0.06, -0.06, 0.06, 0.06), 0.0, 1.5, {60, 90, 90})));  // A post.
 
 }  // namespace
 }  // namespace soffit

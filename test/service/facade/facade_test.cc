@@ -20,7 +20,8 @@ Seen At(const Sight& sight, const Eigen::Vector3d& point) {
   return static_cast<Seen>(sight.seen(static_cast<int>(pixel->y()), static_cast<int>(pixel->x())));
 }
 
-std::vector<Facade> Read(const Arch& arch, const std::vector<View>& views, const std::vector<test::Thing>& more = {}) {
+std::vector<Facade> Read(const Arch& arch, const std::vector<View>& views,
+                         const std::vector<test::Thing>& more = {}) {
   std::vector<test::Thing> things = {arch.thing()};
   things.insert(things.end(), more.begin(), more.end());
   const auto seeing = Look(views, things);
@@ -128,7 +129,8 @@ TEST(AlignSights, BringsNoisyPosesBackToTheBuilding) {
   }
   reported[0].map_from_camera.translation_m += Eigen::Vector3d(0.06, -0.05, 0.07);
   reported[1].map_from_camera.rotation =
-      Eigen::AngleAxisd(0.015, Eigen::Vector3d(0.6, 0.5, 0.62).normalized()) * reported[1].map_from_camera.rotation;
+      Eigen::AngleAxisd(0.015, Eigen::Vector3d(0.6, 0.5, 0.62).normalized()) *
+      reported[1].map_from_camera.rotation;
   const auto seeing = Look(views, {Arch{}.thing()}, reported);
   const Alignment aligned = AlignSights(Arch{}.footprint(), seeing.masks, seeing.sights, {});
   EXPECT_NEAR(aligned.footprint.height_m, 2.3, 0.05);
@@ -136,8 +138,10 @@ TEST(AlignSights, BringsNoisyPosesBackToTheBuilding) {
     for (const Eigen::Vector3d& corner : {Eigen::Vector3d(-2.0, 0.0, 0.0), Eigen::Vector3d(2.0, 0.0, 2.3)}) {
       const Eigen::Vector2d truly = *Project(views[i], corner);
       // The building itself is moved by the common part of the errors.
-      const Eigen::Vector2d shift = aligned.footprint.polygon_in_map_m.outer[0] - Eigen::Vector2d(-2.0, -0.75);
-      const Eigen::Vector2d now = *Project(aligned.sights[i].view, corner + Eigen::Vector3d(shift.x(), shift.y(), 0.0));
+      const Eigen::Vector2d shift =
+          aligned.footprint.polygon_in_map_m.outer[0] - Eigen::Vector2d(-2.0, -0.75);
+      const Eigen::Vector2d now =
+          *Project(aligned.sights[i].view, corner + Eigen::Vector3d(shift.x(), shift.y(), 0.0));
       EXPECT_LT((now - truly).norm(), 3.0);
     }
   }
