@@ -15,6 +15,7 @@ namespace {
 constexpr int kLineSteps = 4;             // Places that are tried on either side of the middle.
 constexpr double kKeptSigmas = 4.0;       // Kept on all sides off the middle: more than a decision asks for.
 constexpr double kFlat = 0.10;            // Of the needed height.
+constexpr double kHigher = 2.0;           // Times what is known of a thing's height it may be.
 constexpr std::size_t kMaxObstacles = 5;  // In one passage; the nearest to its axis count.
 
 Eigen::Vector3d At(const Eigen::Vector2d& plan, double z) { return {plan.x(), plan.y(), z}; }
@@ -81,7 +82,9 @@ std::vector<Shadow> CastShadows(const std::vector<Obstacle>& obstacles, const Wa
                                 const Passage& passage, double stand_off) {
   double left = passage.section_m.front().x();
   double right = left;
+  double bottom = passage.section_m.front().y();
   for (const Eigen::Vector2d& p : passage.section_m) {
+    bottom = std::min(bottom, p.y());
     left = std::min(left, p.x());
     right = std::max(right, p.x());
   }
@@ -92,6 +95,7 @@ std::vector<Shadow> CastShadows(const std::vector<Obstacle>& obstacles, const Wa
     const double reach = obstacle.radius_m + obstacle.std_m;
     if (front - reach > stand_off || -front - reach > passage.length_m + stand_off) continue;
     if (u + reach < left || u - reach > right) continue;
+    if (kHigher * obstacle.height_m <= bottom) continue;  // It stays below the sill.
     shadows.push_back({u - reach, u + reach, obstacle.height_m, &obstacle});
   }
   const double middle = 0.5 * (left + right);

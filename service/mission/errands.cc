@@ -96,6 +96,7 @@ void Errands::Send(FlightCommand command) {
   if (!command.path_in_map_m.empty() && m_.vehicle) {
     errand.start_distance_m = (command.path_in_map_m.back() - m_.vehicle->position_in_map_m).norm();
   }
+  errand.longest_s = m_.vehicle ? LongestTime_s(command) : kCommandGrace_s;
   errand.command = std::move(command);
   m_.errand = std::move(errand);
   SendAgain();
@@ -113,7 +114,7 @@ Errands::Watched Errands::Watch() {
   const double waited_s = ToSeconds(now_ - errand.since_utc_ns);
   if (errand.is_ended) return WatchPicture(waited_s);
   if (errand.is_answered) {
-    if (waited_s <= LongestTime_s(errand.command)) return {};
+    if (waited_s <= errand.longest_s) return {};
     return Overrun(Say("'", ToString(errand.command.kind), "' is not done after ", waited_s, " s"));
   }
   if (waited_s > options_.answer_timeout_s) {

@@ -141,6 +141,7 @@ struct Errand {
   std::int64_t sent_utc_ns = 0;   ///< The last time.
   std::int64_t since_utc_ns = 0;  ///< When it was issued, answered or ended, whichever came last.
   double start_distance_m = 0.0;  ///< From the vehicle to the end of the path when it was issued.
+  double longest_s = 0.0;         ///< From its acceptance; by then it has to be done.
 };
 
 /// A mission under way. A plain value: copying it copies the mission.

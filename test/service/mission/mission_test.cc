@@ -718,6 +718,24 @@ TEST(Advance, LooksAgainWhenTheDecisionExpiredBeforeTheEntry) {
   EXPECT_EQ(flight.CountLooks(Purpose::kCorridor), 2);
 }
 
+TEST(Advance, WaitsForALandingAsLongAsItsHeightTakes) {
+  Flight flight;
+  flight.findings.map.front().height_m = 70.0;  // Home is flown to above it.
+  flight.obey = [&](const FlightCommand& command) {
+    if (command.kind != CommandKind::kLand) return flight.Obey(command);
+    flight.vehicle.phase = VehiclePhase::kLanding;
+    flight.Give(flight.Ack(command, AckStatus::kAccepted));
+  };
+  flight.RunUntil([&] { return !flight.sent.empty() && flight.sent.back().kind == CommandKind::kLand; });
+  ASSERT_GT(flight.vehicle.position_in_map_m.z(), 70.0);
+  for (int second = 0; second < 180; ++second) {  // It sinks; the time that it may take must not.
+    flight.vehicle.position_in_map_m.z() = std::max(1.0, 70.0 - 0.4 * second);
+    flight.Step();
+  }
+  EXPECT_EQ(flight.sent.back().kind, CommandKind::kLand);
+  EXPECT_THAT(flight.status().problems, IsEmpty());
+}
+
 TEST(Advance, GivesTheSameForTheSameEvents) {
   Flight first;
   Flight second;

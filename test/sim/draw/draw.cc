@@ -8,6 +8,7 @@
 #include "test/sim/draw/dice.h"
 #include "test/sim/draw/shapes.h"
 #include "test/sim/truth/truth.h"
+#include "test/sim/world/space.h"
 
 namespace soffit::sim {
 namespace {
@@ -360,6 +361,14 @@ void MakeGroup(World& world) {
   }
 }
 
+/// The vehicle starts and lands at home.
+bool IsHomeFree(const World& world) {
+  constexpr double kAroundHome_m = 1.2;
+  const Space space(world);
+  const Cylinder vehicle{{0.0, 0.0, 1.0}, kVehicle.radius_m, 1.9};
+  return space.DistanceToBodies(vehicle, kAroundHome_m).distance_m >= kAroundHome_m - kVehicle.radius_m;
+}
+
 /// None when the building that was drawn is too large for the overview.
 std::optional<World> DrawOnce(std::uint64_t seed) {
   Dice dice(seed);
@@ -408,7 +417,7 @@ bool IsClear(const World& world) {
 World DrawWorld(std::uint64_t seed) {
   for (std::uint64_t attempt = 0;; ++attempt) {
     std::optional<World> world = DrawOnce(Mix(seed) + attempt);
-    if (!world || !IsClear(*world)) continue;
+    if (!world || !IsHomeFree(*world) || !IsClear(*world)) continue;
     world->name = "seed-" + std::to_string(seed);
     world->title += ", random world " + std::to_string(seed);
     return *world;
