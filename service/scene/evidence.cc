@@ -110,6 +110,7 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
   cv::Mat stats, centers;
   cv::Mat1b is_strange = fails_.clone();
   is_strange.setTo(0, near_edge_);
+  is_strange.setTo(0, Either(Only(sight.seen, Seen::kGround), Only(sight.seen, Seen::kSky)));  // The model's fault.
   const int count = cv::connectedComponentsWithStats(is_strange, component_, stats, centers, 8, CV_32S);
   struct Trace {
     std::vector<float> covered_m;  ///< Depths of the model that it covers.
