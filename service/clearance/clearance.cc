@@ -9,6 +9,7 @@
 #include "service/clearance/look.h"
 #include "service/facade/wall.h"
 #include "service/scene/sweep.h"
+#include "shared/result/say.h"
 
 namespace soffit {
 namespace {
@@ -16,21 +17,9 @@ namespace {
 constexpr double kSameView_m = 0.5;
 constexpr double kTiny_m = 1e-9;
 
-std::string InMetres(double value) {
-  std::ostringstream text;
-  text.setf(std::ios::fixed);
-  text.precision(2);
-  text << value << " m";
-  return text.str();
-}
+std::string InMetres(double value) { return Say(value, " m"); }
 
-std::string Place(const Eigen::Vector3d& p) {
-  std::ostringstream text;
-  text.setf(std::ios::fixed);
-  text.precision(2);
-  text << "(" << p.x() << ", " << p.y() << ", " << p.z() << ")";
-  return text.str();
-}
+std::string Place(const Eigen::Vector3d& p) { return Say("(", p.x(), ", ", p.y(), ", ", p.z(), ")"); }
 
 double Turn(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <sstream>
 
 #include "service/corridor/rectangle.h"
 #include "service/facade/wall.h"
 #include "service/scene/sweep.h"
+#include "shared/result/say.h"
 
 namespace soffit {
 namespace {
@@ -160,13 +160,8 @@ double PlaceStd(const Footprint& footprint) {
 
 std::string Describe(const std::vector<Shadow>& shadows) {
   if (shadows.empty()) return "";
-  std::ostringstream text;
-  text.setf(std::ios::fixed);
-  text.precision(2);
   const Eigen::Vector3d& at = shadows.front().obstacle->base_in_map_m;
-  text << "obstacle at " << at.x() << ", " << at.y() << ", " << shadows.front().obstacle->height_m
-       << " m high";
-  return text.str();
+  return Say("obstacle at ", at.x(), ", ", at.y(), ", ", shadows.front().obstacle->height_m, " m high");
 }
 
 }  // namespace
@@ -205,7 +200,6 @@ std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id,
       corridor.std_m = passage.std_m;
       corridor.place_std_m = place_std;
       corridor.limited_by = Describe(shadows);
-      corridor.was_seen_from_both_sides = passage.was_seen_from_both_sides;
       corridors.push_back(corridor);
     }
   }

@@ -25,7 +25,6 @@ struct Corridor {
   double std_m = 0.0;        ///< Of its sides.
   double place_std_m = 0.0;  ///< Of the building's place in the map, per axis.
   std::string limited_by;    ///< What stands in the passage and takes room from it; empty when nothing does.
-  bool was_seen_from_both_sides = false;  ///< False: the far mouth was inferred from the near one.
 };
 
 struct CorridorOptions {

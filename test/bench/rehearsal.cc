@@ -13,7 +13,6 @@
 #include "test/sim/flight/recorder.h"
 #include "test/sim/render/renderer.h"
 #include "test/sim/survey/reference.h"
-#include "test/sim/vehicle/multicopter.h"
 #include "test/sim/world/space.h"
 
 namespace soffit::bench {
@@ -28,16 +27,6 @@ constexpr int kMostEvents = 2000;
 constexpr double kTrackStep_m = 0.01;
 constexpr double kHover_m = 0.03;                             // How well the vehicle holds its place,
 constexpr double kSway_rad = 0.4 * std::numbers::pi / 180.0;  // and its attitude.
-
-/// Of a camera that looks along `yaw_rad` and up by `pitch_rad`.
-Eigen::Quaterniond LookFrom(double yaw_rad, double pitch_rad) {
-  const Vector3d forward(std::cos(yaw_rad) * std::cos(pitch_rad), std::sin(yaw_rad) * std::cos(pitch_rad),
-                         std::sin(pitch_rad));
-  const Vector3d right(std::sin(yaw_rad), -std::cos(yaw_rad), 0.0);
-  Eigen::Matrix3d axes;
-  axes << right, forward.cross(right), forward;
-  return Eigen::Quaterniond(axes);
-}
 
 Eigen::Quaterniond Turn(const Vector3d& rotation) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(rotation.norm(), rotation.stableNormalized()));
@@ -76,8 +65,7 @@ class Rehearsal {
     order.area_center_in_map_m = world_.mission.area_center_m;
     mission_ = StartMission(order);
     for (int i = 0; i < kMostEvents && mission_.status.state != MissionState::kEnded; ++i) {
-      events_.push_back(state_);
-      events_.back() = Stamped();
+      events_.push_back(Stamped());
       while (!events_.empty()) {
         const MissionEvent event = events_.front();
         events_.pop_front();
@@ -191,7 +179,7 @@ class Rehearsal {
     capture.orientation_std_rad = world_.pose_noise.orientation_std_rad;
     const Vector3d hover_m = Draw(kHover_m);
     const Eigen::Quaterniond attitude =
-        Turn(Draw(kSway_rad)) * LookFrom(command.yaw_rad, command.camera_pitch_rad);
+        Turn(Draw(kSway_rad)) * CameraAttitude(command.yaw_rad, command.camera_pitch_rad);
     capture.map_from_camera = {attitude.normalized(), state_.position_in_map_m + hover_m};
     const Pose<Map, Camera> truly = {
         (Turn(Draw(world_.pose_noise.orientation_std_rad)) * attitude).normalized(), true_m_ + hover_m};
