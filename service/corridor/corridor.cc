@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kLineSteps = 4;             // Places that are tried on either side of the middle.
 constexpr double kKeptSigmas = 4.0;       // Kept on all sides off the middle: more than a decision asks for.
-constexpr double kFlat = 0.10;            // Of the needed height.
 constexpr double kHigher = 2.0;           // Times what is known of a thing's height it may be.
 constexpr std::size_t kMaxObstacles = 5;  // In one passage; the nearest to its axis count.
 
@@ -60,18 +59,15 @@ Free NoRoom(const Ring& section) {
   return {{middle.x(), middle.x(), middle.y(), middle.y()}, 0.0};
 }
 
-/// The best room left of or right of each shadow. Only what is flat is flown over: how high a thing is, is
+/// The best room left of, right of or above each shadow, above with room to spare: how high a thing is, is
 /// not known as well as where it stands.
 std::optional<Free> FitBetween(const Ring& section, const std::vector<Shadow>& shadows, std::size_t from,
                                const VehicleEnvelope& vehicle) {
   if (from == shadows.size()) return FitRoom(section, vehicle);
   const Shadow& shadow = shadows[from];
   std::optional<Free> best;
-  std::vector<Ring> parts = {Clip(section, {1.0, 0.0}, shadow.left),
-                             Clip(section, {-1.0, 0.0}, -shadow.right)};
-  if (shadow.top <= kFlat * vehicle.NeededHeight_m())
-    parts.push_back(Clip(section, {0.0, -1.0}, -shadow.top));
-  for (const Ring& part : parts) {
+  for (const Ring& part : {Clip(section, {1.0, 0.0}, shadow.left), Clip(section, {-1.0, 0.0}, -shadow.right),
+                           Clip(section, {0.0, -1.0}, -shadow.top)}) {
     const auto free = FitBetween(part, shadows, from + 1, vehicle);
     if (free && (!best || free->fit > best->fit)) best = free;
   }
@@ -95,8 +91,9 @@ std::vector<Shadow> CastShadows(const std::vector<Obstacle>& obstacles, const Wa
     const double reach = obstacle.radius_m + obstacle.std_m;
     if (front - reach > stand_off || -front - reach > passage.length_m + stand_off) continue;
     if (u + reach < left || u - reach > right) continue;
-    if (kHigher * obstacle.height_m <= bottom) continue;  // It stays below the sill.
-    shadows.push_back({u - reach, u + reach, obstacle.height_m, &obstacle});
+    const double top = kHigher * obstacle.height_m;
+    if (top <= bottom) continue;  // It stays below the sill.
+    shadows.push_back({u - reach, u + reach, top, &obstacle});
   }
   const double middle = 0.5 * (left + right);
   std::stable_sort(shadows.begin(), shadows.end(), [&](const Shadow& a, const Shadow& b) {

@@ -416,13 +416,14 @@ std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image
       std::optional<Elevation> view = Rectify(footprint, side, kRoofSearch * expected_m, own_class, images[i],
                                               masks[i], sights[i], options.resolution_m);
       std::optional<Elevation>& chosen = best[static_cast<std::size_t>(side)];
-      if (view && (!chosen || view->quality > chosen->quality)) chosen = std::move(view);
+      if (!view || view->visible_ratio < kMinVisible) continue;
+      if (!chosen || view->quality > chosen->quality) chosen = std::move(view);
     }
   }
 
   std::vector<Elevation> seen;
   for (const auto& view : best) {
-    if (view && view->visible_ratio >= kMinVisible) seen.push_back(*view);
+    if (view) seen.push_back(*view);
   }
   const Height height = MeasureHeight(object, seen);
 
@@ -435,7 +436,7 @@ std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image
     facade.width_m = WallOf(footprint.outer, side).width_m;
     facade.height_m = height.value_m;
     facade.height_std_m = height.std_m;
-    facade.was_seen = view && view->visible_ratio >= kMinVisible;
+    facade.was_seen = view.has_value();
     if (facade.was_seen && height.value_m > 0.0) {
       for (const Gap& gap : FindGaps(*view, height.value_m, options.min_opening_m)) {
         std::optional<Opening> opening = MeasureOpening(*view, gap, footprint, side, height.value_m);

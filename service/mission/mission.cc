@@ -469,7 +469,7 @@ class Conductor {
   }
 
   void LookAlong(const ClearanceDecision& decision) {
-    if (m_.more_views_used >= options_.more_views) {
+    if (m_.more_views_used > options_.more_views) {
       return Settle(false, "no picture along the corridor could be taken");
     }
     ++m_.more_views_used;

@@ -9,6 +9,11 @@
 namespace soffit {
 namespace {
 
+constexpr double kThinnest_px = 3.0;  // What is thinner is the mixed pixels along an edge.
+
+/// Of a rectangle much longer than wide: its width.
+double Thickness(const Polygon& polygon) { return 2.0 * Area(polygon) / Perimeter(polygon.outer); }
+
 bool TouchesEdge(const Ring& boundary, const cv::Rect& seen) {
   return std::any_of(boundary.begin(), boundary.end(), [&](const Eigen::Vector2d& p) {
     return p.x() < seen.x || p.y() < seen.y || p.x() > seen.x + seen.width - 1 ||
@@ -45,7 +50,7 @@ std::vector<Outline> TraceOutlines(const Mask& mask, const cv::Rect& seen, const
       FittedRing hole = FitRing(boundary_of_hole, 1.0, options.simplify_px);
       if (!hole.ring.empty()) outline.polygon_px.holes.push_back(std::move(hole.ring));
     }
-    outlines.push_back(std::move(outline));
+    if (Thickness(outline.polygon_px) >= kThinnest_px) outlines.push_back(std::move(outline));
   }
   std::stable_sort(outlines.begin(), outlines.end(), [](const Outline& a, const Outline& b) {
     return Area(a.polygon_px) > Area(b.polygon_px);

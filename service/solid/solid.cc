@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kOvercut_m = 0.01;  // Cuts reach this far out of the solid, so that no faces coincide.
 constexpr double kMinOverlap = 0.5;  // Of the smaller mouth's width: less is no counterpart.
+constexpr double kAgreeSigmas = 6.0;  // By more, the mouths of one passage do not differ.
 
 struct Extent {
   double left = 0.0, right = 0.0, bottom = 0.0, top = 0.0;
@@ -26,6 +27,13 @@ Extent ExtentOf(const Ring& ring) {
   }
   return extent;
 }
+
+bool Agree(const Extent& a, const Extent& b, double reach) {
+  return std::abs(a.left - b.left) <= reach && std::abs(a.right - b.right) <= reach &&
+         std::abs(a.bottom - b.bottom) <= reach && std::abs(a.top - b.top) <= reach;
+}
+
+double AreaOf(const Extent& e) { return (e.right - e.left) * (e.top - e.bottom); }
 
 /// The outline of an opening as heights over a horizontal coordinate; openings are x-monotone.
 struct Profile {
@@ -141,9 +149,13 @@ struct Assembly {
     std::size_t index = 0;
     Ring section;
   };
-  /// The opening of `facade` that shows something beyond and shares most with `ring` (in coordinates of
-  /// `wall`).
-  std::optional<Counterpart> FindCounterpart(const Facade& facade, const Wall& wall, const Ring& ring) const {
+  /// The opening of `facade` that shows something beyond and shares most with this one of `wall`. Both are the
+  /// section of one passage, so they should be alike; when they are not, something beyond one of them that
+  /// looks like the building hides a part of it, and the larger one is the passage's. Whether all of that is
+  /// free is for the scene to tell.
+  std::optional<Counterpart> FindCounterpart(const Facade& facade, const Wall& wall,
+                                             const Opening& opening) const {
+    const Ring& ring = opening.ring_in_wall_m;
     const Wall other = WallOf(footprint.polygon_in_map_m.outer, facade.side);
     std::optional<Counterpart> best;
     double widest = 0.0;
@@ -156,7 +168,12 @@ struct Assembly {
       const double overlap = (c.right - c.left) / std::min(a.right - a.left, b.right - b.left);
       if (overlap < kMinOverlap || c.right - c.left <= widest) continue;
       widest = c.right - c.left;
-      best = Counterpart{i, std::move(common)};
+      const double std_m = std::hypot(opening.std_m, facade.openings[i].std_m);
+      if (Agree(a, b, kAgreeSigmas * std_m)) {
+        best = Counterpart{i, std::move(common)};
+      } else {
+        best = Counterpart{i, AreaOf(a) > AreaOf(b) ? ring : carried};
+      }
     }
     return best;
   }
@@ -169,7 +186,7 @@ struct Assembly {
     const auto way = FindWayOut(footprint.polygon_in_map_m, facade.side, 0.5 * (extent.left + extent.right));
     const Facade* exit = way ? FacadeOf(way->side) : nullptr;
     std::optional<Counterpart> counterpart;
-    if (exit != nullptr && exit->was_seen) counterpart = FindCounterpart(*exit, wall, opening.ring_in_wall_m);
+    if (exit != nullptr && exit->was_seen) counterpart = FindCounterpart(*exit, wall, opening);
     const bool may_be_inferred = exit != nullptr && !exit->was_seen;
     if (!counterpart && !may_be_inferred) {
       listed[{facade.side, index}] = List(facade.side, opening.ring_in_wall_m, opening, false);

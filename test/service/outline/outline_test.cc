@@ -143,6 +143,12 @@ TEST(TraceOutlines, ManySpecksAreDroppedFast) {
   EXPECT_THAT(Trace(label), IsEmpty());
 }
 
+TEST(TraceOutlines, DropsTheMixedPixelsAlongAnEdge) {
+  cv::Mat1b label(100, 400, uchar{0});
+  label(cv::Rect(20, 40, 350, 2)) = 1;
+  EXPECT_THAT(Trace(label), IsEmpty());
+}
+
 TEST(TraceOutlines, EveryRingOfAJaggedBlobIsSimple) {
   cv::RNG random(7);
   cv::Mat1b label(300, 300, uchar{0});
