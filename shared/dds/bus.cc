@@ -24,8 +24,12 @@ void Endpoint::SetMatched(int count) {
   changed_.notify_all();
 }
 
-Bus::Bus(dds::DomainParticipant* participant, bool has_flow_control, Participant::ProblemHandler on_problem)
-    : participant_(participant), has_flow_control_(has_flow_control), on_problem_(std::move(on_problem)) {
+Bus::Bus(dds::DomainParticipant* participant, std::unique_ptr<Discovery> discovery, bool has_flow_control,
+         Participant::ProblemHandler on_problem)
+    : discovery_(std::move(discovery)),
+      participant_(participant),
+      has_flow_control_(has_flow_control),
+      on_problem_(std::move(on_problem)) {
   publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
   subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
   wait_set_.attach_condition(stop_);
@@ -39,26 +43,26 @@ Bus::~Bus() {
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
 
-dds::Topic* Bus::FindOrMakeTopic(const char* name, dds::TypeSupport& type) {
+dds::Topic* Bus::FindOrMakeTopic(const std::string& name, dds::TypeSupport& type) {
   if (auto* known = participant_->lookup_topicdescription(name)) return dynamic_cast<dds::Topic*>(known);
   type.register_type(participant_);
   auto* topic = participant_->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
-  if (topic == nullptr) throw std::runtime_error(std::string("DDS refuses to make the topic ") + name);
+  if (topic == nullptr) throw std::runtime_error("DDS refuses to make the topic " + name);
   return topic;
 }
 
-dds::DataWriter* Bus::MakeWriter(const char* topic, dds::TypeSupport type, TopicKind kind) {
+dds::DataWriter* Bus::MakeWriter(const std::string& topic, dds::TypeSupport type, TopicKind kind) {
   const std::lock_guard lock(making_mutex_);
   auto* writer =
       publisher_->create_datawriter(FindOrMakeTopic(topic, type), MakeWriterQos(kind, has_flow_control_));
-  if (writer == nullptr) throw std::runtime_error(std::string("DDS refuses to make a writer of ") + topic);
+  if (writer == nullptr) throw std::runtime_error("DDS refuses to make a writer of " + topic);
   return writer;
 }
 
-dds::DataReader* Bus::MakeReader(const char* topic, dds::TypeSupport type, TopicKind kind) {
+dds::DataReader* Bus::MakeReader(const std::string& topic, dds::TypeSupport type, TopicKind kind) {
   const std::lock_guard lock(making_mutex_);
   auto* reader = subscriber_->create_datareader(FindOrMakeTopic(topic, type), MakeReaderQos(kind));
-  if (reader == nullptr) throw std::runtime_error(std::string("DDS refuses to make a reader of ") + topic);
+  if (reader == nullptr) throw std::runtime_error("DDS refuses to make a reader of " + topic);
   return reader;
 }
 
@@ -81,6 +85,23 @@ void Bus::Report(const std::string& problem) const {
   if (on_problem_) on_problem_(problem);
 }
 
+void Bus::ReportMisfits(const dds::DataWriter& writer) {
+  const std::string& topic = writer.get_topic()->get_name();
+  ReportOnce(topic, discovery_->FindMisfitReaders(topic, MatchingQosOf(writer.get_qos())));
+}
+
+void Bus::ReportMisfits(const dds::DataReader& reader) {
+  const std::string& topic = reader.get_topicdescription()->get_name();
+  ReportOnce(topic, discovery_->FindMisfitWriters(topic, MatchingQosOf(reader.get_qos())));
+}
+
+void Bus::ReportOnce(const std::string& topic, const std::vector<std::string>& misfits) {
+  for (const std::string& misfit : misfits) {
+    const std::string problem = topic + ": " + misfit;
+    if (reported_misfits_.insert(problem).second) Report(problem);
+  }
+}
+
 void Bus::ServeUntilStopped() {
   dds::ConditionSeq triggered;
   while (!stop_.get_trigger_value()) {
@@ -95,25 +116,6 @@ void Bus::ServeUntilStopped() {
         Report(std::string("a message could not be handled: ") + error.what());
       }
     }
-  }
-}
-
-std::string DescribeIncompatibleQos(int policy_id) {
-  switch (policy_id) {
-    case dds::DURABILITY_QOS_POLICY_ID:
-      return "durability (latched or not)";
-    case dds::DEADLINE_QOS_POLICY_ID:
-      return "deadline";
-    case dds::OWNERSHIP_QOS_POLICY_ID:
-      return "ownership";
-    case dds::LIVELINESS_QOS_POLICY_ID:
-      return "liveliness (kind or lease)";
-    case dds::RELIABILITY_QOS_POLICY_ID:
-      return "reliability";
-    case dds::DATAREPRESENTATION_QOS_POLICY_ID:
-      return "data representation (Soffit sends XCDR1)";
-    default:
-      return "policy " + std::to_string(policy_id);
   }
 }
 

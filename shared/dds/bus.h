@@ -14,10 +14,13 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 
+#include "shared/dds/discovery.h"
 #include "shared/dds/participant.h"
 #include "shared/dds/topic.h"
 
@@ -43,17 +46,17 @@ class Endpoint {
 
 class Bus {
  public:
-  Bus(eprosima::fastdds::dds::DomainParticipant* participant, bool has_flow_control,
-      Participant::ProblemHandler on_problem);
+  Bus(eprosima::fastdds::dds::DomainParticipant* participant, std::unique_ptr<Discovery> discovery,
+      bool has_flow_control, Participant::ProblemHandler on_problem);
   ~Bus();
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
   /// Throws std::runtime_error when the library refuses.
-  eprosima::fastdds::dds::DataWriter* MakeWriter(const char* topic, eprosima::fastdds::dds::TypeSupport type,
-                                                 TopicKind kind);
-  eprosima::fastdds::dds::DataReader* MakeReader(const char* topic, eprosima::fastdds::dds::TypeSupport type,
-                                                 TopicKind kind);
+  eprosima::fastdds::dds::DataWriter* MakeWriter(const std::string& topic,
+                                                 eprosima::fastdds::dds::TypeSupport type, TopicKind kind);
+  eprosima::fastdds::dds::DataReader* MakeReader(const std::string& topic,
+                                                 eprosima::fastdds::dds::TypeSupport type, TopicKind kind);
   void Remove(eprosima::fastdds::dds::DataWriter* writer);
   void Remove(eprosima::fastdds::dds::DataReader* reader);
 
@@ -63,11 +66,19 @@ class Bus {
   void Withdraw(eprosima::fastdds::dds::StatusCondition& condition);
 
   void Report(const std::string& problem) const;
+  /// Reports, once each, the peers that do not fit this writer or reader.
+  void ReportMisfits(const eprosima::fastdds::dds::DataWriter& writer);
+  void ReportMisfits(const eprosima::fastdds::dds::DataReader& reader);
+
+  const Discovery& discovery() const { return *discovery_; }
 
  private:
-  eprosima::fastdds::dds::Topic* FindOrMakeTopic(const char* name, eprosima::fastdds::dds::TypeSupport& type);
+  eprosima::fastdds::dds::Topic* FindOrMakeTopic(const std::string& name,
+                                                 eprosima::fastdds::dds::TypeSupport& type);
   void ServeUntilStopped();
+  void ReportOnce(const std::string& topic, const std::vector<std::string>& misfits);
 
+  std::unique_ptr<Discovery> discovery_;  ///< Listens to the participant as long as that lives.
   eprosima::fastdds::dds::DomainParticipant* participant_;
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
@@ -78,6 +89,7 @@ class Bus {
   std::mutex making_mutex_;
   std::mutex serving_mutex_;
   std::map<const eprosima::fastdds::dds::Condition*, Endpoint*> endpoints_;
+  std::set<std::string> reported_misfits_;  ///< Used by `thread_` alone.
   std::thread thread_;
 };
 
@@ -91,7 +103,5 @@ class GuardedSupport : public Support {
     return false;
   }
 };
-
-std::string DescribeIncompatibleQos(int policy_id);
 
 }  // namespace soffit::dds_internal

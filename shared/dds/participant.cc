@@ -1,9 +1,12 @@
 #include "shared/dds/participant.h"
 
+#include <charconv>
+#include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/log/Log.hpp>
 #include <fastdds/dds/log/StdoutErrConsumer.hpp>
 #include <mutex>
+#include <string_view>
 
 #include "shared/dds/bus.h"
 #include "shared/dds/qos.h"
@@ -23,6 +26,13 @@ void KeepLibraryOffStandardOutput() {
   });
 }
 
+/// -1, which no option allows, when `text` is no whole number.
+int ReadDomainId(const std::string_view text) {
+  int id = -1;
+  const auto end = text.data() + text.size();
+  return std::from_chars(text.data(), end, id).ptr == end ? id : -1;
+}
+
 }  // namespace
 
 DdsOptions DefaultRadioOptions() {
@@ -35,9 +45,12 @@ DdsOptions DefaultRadioOptions() {
 
 DdsOptions DefaultLocalOptions() {
   DdsOptions options;
-  options.domain_id = 42;
+  const char* ros_domain = std::getenv("ROS_DOMAIN_ID");
+  options.domain_id = ros_domain != nullptr ? ReadDomainId(ros_domain) : 42;
   return options;
 }
+
+std::vector<RemoteEndpoint> Participant::Discovered() const { return bus_->discovery().List(); }
 
 Result<Participant> Participant::Join(const std::string& name, const DdsOptions& options,
                                       ProblemHandler on_problem) {
@@ -46,16 +59,17 @@ Result<Participant> Participant::Join(const std::string& name, const DdsOptions&
   const auto qos = dds_internal::MakeParticipantQos(name, options);
   if (!qos.ok()) return qos.error();
   KeepLibraryOffStandardOutput();
+  auto discovery = std::make_unique<dds_internal::Discovery>();
   auto* participant = eprosima::fastdds::dds::DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<std::uint32_t>(options.domain_id), qos.value(), nullptr,
+      static_cast<std::uint32_t>(options.domain_id), qos.value(), discovery.get(),
       eprosima::fastdds::dds::StatusMask::none());
   if (participant == nullptr) {
     return Error{Error::Code::kUnavailable,
                  "cannot join DDS domain " + std::to_string(options.domain_id) +
                      ": check that the interfaces of the configuration exist (soffit doctor)"};
   }
-  return Participant(
-      std::make_shared<dds_internal::Bus>(participant, options.flow_bytes_per_ms > 0, std::move(on_problem)));
+  return Participant(std::make_shared<dds_internal::Bus>(
+      participant, std::move(discovery), options.flow_bytes_per_ms > 0, std::move(on_problem)));
 }
 
 }  // namespace soffit

@@ -33,9 +33,20 @@ struct DdsOptions {
 };
 
 /// What agents and the service start from for the link between them, and the service and its clients for
-/// theirs.
+/// theirs. The local domain is that of ROS 2 where ROS_DOMAIN_ID is set; a value that is no domain is refused
+/// by Join().
 DdsOptions DefaultRadioOptions();
 DdsOptions DefaultLocalOptions();
+
+/// A reader or writer that another member of the domain has.
+struct RemoteEndpoint {
+  std::string topic;
+  std::string type;
+  std::string participant;  ///< Its name in quotes, or its id when it has none.
+  bool is_writer = false;
+  bool is_reliable = false;
+  bool is_latched = false;  ///< Late joiners get, or want, what was sent before.
+};
 
 namespace dds_internal {
 class Bus;
@@ -55,6 +66,9 @@ class Participant {
   ///                    of failed writes. May be called often.
   static Result<Participant> Join(const std::string& name, const DdsOptions& options,
                                   ProblemHandler on_problem);
+
+  /// What has been discovered so far; complete about a second after joining.
+  std::vector<RemoteEndpoint> Discovered() const;
 
   const std::shared_ptr<dds_internal::Bus>& bus() const { return bus_; }
 

@@ -49,6 +49,8 @@ int HistoryDepth(TopicKind kind) {
       return 16;
     case TopicKind::kQuery:
       return 32;
+    case TopicKind::kStream:
+      return 100;
     case TopicKind::kState:
     case TopicKind::kLatched:
       break;

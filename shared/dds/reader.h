@@ -21,11 +21,14 @@ struct ReaderHandlers {
 template <class Topic>
 class Reader {
  public:
+  /// @param name  Of the topic, where one kind of value comes from several.
   /// Throws std::runtime_error when the library refuses to make it.
-  Reader(const Participant& participant, ReaderHandlers<Topic> handlers)
-      : core_(std::make_unique<Core>(participant.bus(), std::move(handlers))) {}
-  Reader(const Participant& participant, std::function<void(typename Topic::Value)> on_value)
-      : Reader(participant, ReaderHandlers<Topic>{std::move(on_value), {}}) {}
+  Reader(const Participant& participant, ReaderHandlers<Topic> handlers,
+         const std::string& name = Topic::kName)
+      : core_(std::make_unique<Core>(participant.bus(), name, std::move(handlers))) {}
+  Reader(const Participant& participant, std::function<void(typename Topic::Value)> on_value,
+         const std::string& name = Topic::kName)
+      : Reader(participant, ReaderHandlers<Topic>{std::move(on_value), {}}, name) {}
 
   int matched_writers() const { return core_->matched(); }
   bool WaitForWriter(std::chrono::milliseconds timeout) { return core_->WaitForMatch(timeout); }
@@ -35,10 +38,12 @@ class Reader {
   using StatusMask = eprosima::fastdds::dds::StatusMask;
 
   struct Core : dds_internal::Endpoint {
-    Core(std::shared_ptr<dds_internal::Bus> its_bus, ReaderHandlers<Topic> its_handlers)
+    Core(std::shared_ptr<dds_internal::Bus> its_bus, const std::string& its_topic,
+         ReaderHandlers<Topic> its_handlers)
         : bus(std::move(its_bus)),
+          topic(its_topic),
           handlers(std::move(its_handlers)),
-          reader(bus->MakeReader(Topic::kName,
+          reader(bus->MakeReader(topic,
                                  eprosima::fastdds::dds::TypeSupport(
                                      new dds_internal::GuardedSupport<typename Topic::Support>()),
                                  Topic::kKind)) {
@@ -58,8 +63,7 @@ class Reader {
       eprosima::fastdds::dds::RequestedIncompatibleQosStatus misfit;
       if (reader->get_requested_incompatible_qos_status(misfit) == ReturnCode::RETCODE_OK &&
           misfit.total_count_change > 0) {
-        bus->Report(std::string(Topic::kName) + ": a writer offers less than this reader needs: " +
-                    dds_internal::DescribeIncompatibleQos(static_cast<int>(misfit.last_policy_id)));
+        bus->ReportMisfits(*reader);
       }
       CountWriters();
       TakeAll();
@@ -88,12 +92,13 @@ class Reader {
         if (value.ok()) {
           handlers.on_value(std::move(value).value());
         } else {
-          bus->Report(std::string(Topic::kName) + ": refused a message: " + value.error().message);
+          bus->Report(topic + ": refused a message: " + value.error().message);
         }
       }
     }
 
     std::shared_ptr<dds_internal::Bus> bus;
+    std::string topic;
     ReaderHandlers<Topic> handlers;
     eprosima::fastdds::dds::DataReader* reader;
     int known_writers = 0;

@@ -9,6 +9,7 @@ enum class TopicKind {
   kCommand,  ///< Reliable, never latched, gone after `kCommandLifespan_s`.
   kLatched,  ///< Reliable, the newest of each key is kept for late joiners.
   kQuery,    ///< Reliable, volatile: a request or a reply.
+  kStream,   ///< Reliable, volatile: many small values in order, as ROS 2 sends transforms and poses.
 };
 
 inline constexpr double kCommandLifespan_s = 5.0;

@@ -13,8 +13,10 @@ class Writer {
  public:
   using Value = typename Topic::Value;
 
+  /// @param name  Of the topic, where one kind of value goes to several.
   /// Throws std::runtime_error when the library refuses to make it.
-  explicit Writer(const Participant& participant) : core_(std::make_unique<Core>(participant.bus())) {}
+  explicit Writer(const Participant& participant, const std::string& name = Topic::kName)
+      : core_(std::make_unique<Core>(participant.bus(), name)) {}
 
   /// False when the value was not taken: a kPicture topic whose link is full (drop the picture, or try again
   /// later), or a failure that `on_problem` was told. Returns soon (kPicture: within 50 ms).
@@ -47,9 +49,10 @@ class Writer {
   using StatusMask = eprosima::fastdds::dds::StatusMask;
 
   struct Core : dds_internal::Endpoint {
-    explicit Core(std::shared_ptr<dds_internal::Bus> its_bus)
+    Core(std::shared_ptr<dds_internal::Bus> its_bus, const std::string& its_topic)
         : bus(std::move(its_bus)),
-          writer(bus->MakeWriter(Topic::kName,
+          topic(its_topic),
+          writer(bus->MakeWriter(topic,
                                  eprosima::fastdds::dds::TypeSupport(
                                      new dds_internal::GuardedSupport<typename Topic::Support>()),
                                  Topic::kKind)) {
@@ -71,8 +74,7 @@ class Writer {
       eprosima::fastdds::dds::OfferedIncompatibleQosStatus misfit;
       if (writer->get_offered_incompatible_qos_status(misfit) == ReturnCode::RETCODE_OK &&
           misfit.total_count_change > 0) {
-        bus->Report(std::string(Topic::kName) + ": a reader asks for more than this writer offers: " +
-                    dds_internal::DescribeIncompatibleQos(static_cast<int>(misfit.last_policy_id)));
+        bus->ReportMisfits(*writer);
       }
     }
 
@@ -80,12 +82,12 @@ class Writer {
       if (code == ReturnCode::RETCODE_OK) return true;
       const bool is_full = code == ReturnCode::RETCODE_TIMEOUT && Topic::kKind == TopicKind::kPicture;
       if (!is_full)
-        bus->Report(std::string(Topic::kName) + ": could not be sent (DDS return code " +
-                    std::to_string(code()) + ")");
+        bus->Report(topic + ": could not be sent (DDS return code " + std::to_string(code()) + ")");
       return false;
     }
 
     std::shared_ptr<dds_internal::Bus> bus;
+    std::string topic;
     eprosima::fastdds::dds::DataWriter* writer;
   };
 

@@ -9,7 +9,6 @@
 #include "service/edge/files/file.h"
 #include "service/edge/files/result.h"
 #include "service/edge/live/findings.h"
-#include "service/edge/live/scene_answers.h"
 #include "service/match/match.h"
 #include "shared/options/yaml.h"
 
@@ -80,10 +79,7 @@ LiveService::LiveService(const ServiceOptions& options, Stages stages, Participa
       heartbeats_(radio_),
       mission_replies_(local_),
       statuses_(local_),
-      objects_(local_),
-      models_(local_),
-      decisions_(local_),
-      scene_replies_(local_),
+      scenes_(local_),
       states_(
           radio_,
           [this](VehicleState state) { loop_.Post([this, state = std::move(state)] { OnState(state); }); }),
@@ -97,7 +93,6 @@ LiveService::LiveService(const ServiceOptions& options, Stages stages, Participa
                 [this](MissionRequest request) {
                   loop_.Post([this, request = std::move(request)] { OnRequest(request); });
                 }),
-      queries_(local_, [this](const SceneQuery& query) { loop_.Post([this, query] { OnQuery(query); }); }),
       workers_(options.workers, static_cast<std::size_t>(options.max_waiting_pictures)),
       disk_(1, kMaxWaitingFiles) {}
 
@@ -139,6 +134,7 @@ void LiveService::OnState(const VehicleState& state) {
     Feed(run->second, state);
   }
   vehicles_[state.vehicle_id] = state;
+  scenes_.ros().PublishState(state);
 }
 
 void LiveService::OnAck(const CommandAck& ack) {
@@ -166,6 +162,7 @@ void LiveService::OnCapture(Capture capture) {
       {capture.capture_id, capture.name, capture.purpose, SecondsInto(*run), -1.0, -1.0, ""});
   run->captures.push_back(capture);
   SaveSurvey(*run);
+  scenes_.ros().PublishCapture(capture);
 
   const auto shared = std::make_shared<const Capture>(std::move(capture));
   const bool is_taken = workers_.TrySubmit([this, shared] {
@@ -194,18 +191,6 @@ void LiveService::OnRequest(const MissionRequest& request) {
   } else {
     mission_replies_.Write(*known);
   }
-}
-
-void LiveService::OnQuery(const SceneQuery& query) {
-  KnownScene known;
-  const auto run = runs_.find(query.vehicle_id);
-  if (run != runs_.end() && run->second.understanding) {
-    known.origin = {query.vehicle_id, run->second.mission.order.mission_id,
-                    run->second.understanding->scene.revision};
-    known.understanding = run->second.understanding.get();
-    known.decisions = run->second.decisions;
-  }
-  scene_replies_.Write(AnswerQuery(query, known));
 }
 
 void LiveService::OnTick() {
@@ -311,7 +296,10 @@ void LiveService::Feed(MissionRun& run, const MissionEvent& event) {
   MissionUpdate update =
       Advance(std::move(run.mission), event, Now(), options_.pipeline.viewpoint, options_.mission);
   run.mission = std::move(update.mission);
-  for (const FlightCommand& command : update.commands) commands_.Write(command);
+  for (const FlightCommand& command : update.commands) {
+    commands_.Write(command);
+    scenes_.ros().PublishWaypoints(command.vehicle_id, command.issued_utc_ns, command.path_in_map_m);
+  }
   if (!update.commands.empty()) NoteDecisions(run);
   if (update.wants_findings) run.is_understanding_wanted = true;
   const auto& problems = run.mission.status.problems;
@@ -478,47 +466,13 @@ void LiveService::PublishReport(MissionRun& run) {
   statuses_.Write(report);
 }
 
-void LiveService::PublishScene(MissionRun& run) {
-  const std::uint32_t vehicle_id = run.mission.order.vehicle_id;
-  Origin origin{vehicle_id, run.mission.order.mission_id, run.scene_revision};
-  std::set<std::uint32_t> objects;
-  std::set<std::uint32_t> models;
-  std::set<std::pair<std::uint32_t, int>> decisions;
-  if (run.understanding) {
-    origin.scene_revision = run.understanding->scene.revision;
-    for (const SceneObject& object : run.understanding->scene.objects) {
-      objects.insert(object.footprint.object_id);
-      objects_.Write({origin, object});
-    }
-    for (const Solid& solid : run.understanding->scene.solids) {
-      models.insert(solid.footprint.object_id);
-      models_.Write(ReportModel(origin, solid));
-    }
-  }
-  for (const DecisionReport& report : run.decisions) {
-    decisions.insert({report.decision.object_id, report.decision.side});
-    decisions_.Write(report);
-  }
-  for (const std::uint32_t id : published_objects_[vehicle_id]) {
-    if (objects.contains(id)) continue;
-    SceneObjectReport gone{origin, {}};
-    gone.object.footprint.object_id = id;
-    objects_.Dispose(gone);
-  }
-  for (const std::uint32_t id : published_models_[vehicle_id]) {
-    if (!models.contains(id)) models_.Dispose({origin, id, {}, 0.0, {}});
-  }
-  for (const auto& [id, side] : published_decisions_[vehicle_id]) {
-    if (decisions.contains({id, side})) continue;
-    DecisionReport gone;
-    gone.decision.vehicle_id = vehicle_id;
-    gone.decision.object_id = id;
-    gone.decision.side = side;
-    decisions_.Dispose(gone);
-  }
-  published_objects_[vehicle_id] = std::move(objects);
-  published_models_[vehicle_id] = std::move(models);
-  published_decisions_[vehicle_id] = std::move(decisions);
+void LiveService::PublishScene(const MissionRun& run) {
+  const std::uint64_t revision = run.understanding ? run.understanding->scene.revision : run.scene_revision;
+  scenes_.Publish(std::make_shared<SceneSnapshot>(
+      SceneSnapshot{{run.mission.order.vehicle_id, run.mission.order.mission_id, revision},
+                    Now(),
+                    run.understanding,
+                    run.decisions}));
 }
 
 void LiveService::PublishHeartbeats() {

@@ -6,13 +6,13 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "service/edge/dds/service_topics.h"
 #include "service/edge/live/event_loop.h"
 #include "service/edge/live/mission_folder.h"
+#include "service/edge/live/scene_server.h"
 #include "service/edge/live/service_options.h"
 #include "service/edge/live/thread_pool.h"
 #include "shared/dds/reader.h"
@@ -69,7 +69,6 @@ class LiveService {
   void OnAck(const CommandAck& ack);
   void OnCapture(Capture capture);
   void OnRequest(const MissionRequest& request);
-  void OnQuery(const SceneQuery& query);
   void OnTick();
 
   // Missions.
@@ -94,7 +93,7 @@ class LiveService {
 
   // What it tells.
   void PublishReport(MissionRun& run);
-  void PublishScene(MissionRun& run);
+  void PublishScene(const MissionRun& run);
   void PublishHeartbeats();
   double SecondsInto(const MissionRun& run) const;
 
@@ -106,9 +105,6 @@ class LiveService {
   std::map<std::uint32_t, MissionRun> runs_;  ///< The newest of each vehicle.
   std::map<std::uint32_t, VehicleState> vehicles_;
   std::deque<MissionReply> replies_;  ///< The latest: a resent request gets its answer again.
-  std::map<std::uint32_t, std::set<std::uint32_t>> published_objects_;
-  std::map<std::uint32_t, std::set<std::uint32_t>> published_models_;
-  std::map<std::uint32_t, std::set<std::pair<std::uint32_t, int>>> published_decisions_;
 
   EventLoop loop_;
   Participant radio_;
@@ -117,15 +113,11 @@ class LiveService {
   Writer<MissionHeartbeatTopic> heartbeats_;
   Writer<MissionReplyTopic> mission_replies_;
   Writer<MissionStatusTopic> statuses_;
-  Writer<SceneObjectTopic> objects_;
-  Writer<BuildingModelTopic> models_;
-  Writer<ClearanceDecisionTopic> decisions_;
-  Writer<SceneReplyTopic> scene_replies_;
+  SceneServer scenes_;
   Reader<VehicleStateTopic> states_;
   Reader<CommandAckTopic> acks_;
   Reader<CaptureTopic> captures_;
   Reader<MissionRequestTopic> requests_;
-  Reader<SceneQueryTopic> queries_;
   ThreadPool workers_;
   ThreadPool disk_;  ///< One thread: files are written in order.
 };

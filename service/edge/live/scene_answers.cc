@@ -47,7 +47,7 @@ SceneReply AnswerBox(SceneReply reply, const SceneQuery& query, const octomap::O
   return reply;
 }
 
-SceneReply AnswerObject(SceneReply reply, const SceneQuery& query, const KnownScene& known) {
+SceneReply AnswerObject(SceneReply reply, const SceneQuery& query, const SceneSnapshot& known) {
   const Scene& scene = known.understanding->scene;
   for (const SceneObject& object : scene.objects) {
     if (object.footprint.object_id == query.object_id) reply.object = SceneObjectReport{known.origin, object};
@@ -59,7 +59,7 @@ SceneReply AnswerObject(SceneReply reply, const SceneQuery& query, const KnownSc
   return reply;
 }
 
-SceneReply AnswerClearance(SceneReply reply, const SceneQuery& query, const KnownScene& known) {
+SceneReply AnswerClearance(SceneReply reply, const SceneQuery& query, const SceneSnapshot& known) {
   for (const DecisionReport& report : known.decisions) {
     if (report.decision.object_id == query.object_id) reply.decisions.push_back(report);
   }
@@ -75,7 +75,7 @@ BuildingModelReport ReportModel(const Origin& origin, const Solid& solid) {
   return {origin, solid.footprint.object_id, solid.mesh, solid.volume_m3, solid.openings};
 }
 
-SceneReply AnswerQuery(const SceneQuery& query, const KnownScene& known) {
+SceneReply AnswerQuery(const SceneQuery& query, const SceneSnapshot& known) {
   SceneReply reply;
   reply.id = query.id;
   if (known.understanding == nullptr) {

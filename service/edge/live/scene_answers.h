@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "service/edge/dds/messages.h"
@@ -7,10 +8,11 @@
 
 namespace soffit {
 
-/// All that can be asked about one mission's scene.
-struct KnownScene {
+/// What one mission knows at one time. Never modified, shared freely between threads.
+struct SceneSnapshot {
   Origin origin;
-  const Understanding* understanding = nullptr;  ///< Null: nothing was understood yet.
+  std::int64_t stamp_utc_ns = 0;
+  std::shared_ptr<const Understanding> understanding;  ///< Null: nothing was understood yet.
   std::vector<DecisionReport> decisions;
 };
 
@@ -18,6 +20,6 @@ BuildingModelReport ReportModel(const Origin& origin, const Solid& solid);
 
 /// Answers one question. A box of more than 10^7 voxels, or one that is empty, is refused; so is what does
 /// not exist. Pure.
-SceneReply AnswerQuery(const SceneQuery& query, const KnownScene& scene);
+SceneReply AnswerQuery(const SceneQuery& query, const SceneSnapshot& scene);
 
 }  // namespace soffit

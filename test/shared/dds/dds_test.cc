@@ -137,10 +137,41 @@ struct LatchedCommandTopic : FlightCommandTopic {
   static constexpr TopicKind kKind = TopicKind::kLatched;
 };
 
-TEST_F(Dds, SaysInWordsWhatKeepsAReaderFromMatching) {
+TEST_F(Dds, SaysWhoseReaderDoesNotMatchAndWhy) {
   const Reader<LatchedCommandTopic> reader(drone_, [](const FlightCommand&) {});
   const Writer<FlightCommandTopic> writer(ground_);
-  EXPECT_THAT(problems_.Await(2), testing::Each(HasSubstr("durability")));
+  EXPECT_THAT(
+      problems_.Await(2),
+      testing::UnorderedElementsAre(
+          "soffit/flight_command/v1: the reader of 'drone' does not fit: durability (transient local "
+          "is asked for, volatile is offered)",
+          "soffit/flight_command/v1: the writer of 'ground' does not fit: durability (transient local "
+          "is asked for, volatile is offered)"));
+}
+
+TEST_F(Dds, ListsWhatOthersHave) {
+  const Reader<LatchedCommandTopic> reader(
+      drone_, [](const FlightCommand&) {}, "soffit/test");
+  std::vector<RemoteEndpoint> found;
+  for (int i = 0; i < 100 && found.empty(); ++i, std::this_thread::sleep_for(50ms)) {
+    found = ground_.Discovered();
+  }
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].topic, "soffit/test");
+  EXPECT_EQ(found[0].type, "soffit::wire::FlightCommand");
+  EXPECT_EQ(found[0].participant, "'drone'");
+  EXPECT_FALSE(found[0].is_writer);
+  EXPECT_TRUE(found[0].is_latched);
+}
+
+TEST(LocalDomain, IsThatOfRos2WhereItIsSet) {
+  unsetenv("ROS_DOMAIN_ID");
+  EXPECT_EQ(DefaultLocalOptions().domain_id, 42);
+  setenv("ROS_DOMAIN_ID", "7", 1);
+  EXPECT_EQ(DefaultLocalOptions().domain_id, 7);
+  setenv("ROS_DOMAIN_ID", "seven", 1);
+  EXPECT_FALSE(Participant::Join("test", DefaultLocalOptions(), {}).ok());
+  unsetenv("ROS_DOMAIN_ID");
 }
 
 TEST(Join, RefusesAnInterfaceThatIsNoAddress) {

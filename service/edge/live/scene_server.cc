@@ -1,0 +1,102 @@
+#include "service/edge/live/scene_server.h"
+
+namespace soffit {
+namespace {
+
+constexpr int kAnswerers = 2;
+constexpr std::size_t kMaxWaitingOfAClient = 64;
+constexpr std::size_t kMaxClients = 1024;
+constexpr std::size_t kMaxVehicles = 1024;
+
+std::vector<ClearanceDecision> DecisionsOf(const SceneSnapshot& snapshot) {
+  std::vector<ClearanceDecision> decisions;
+  for (const DecisionReport& report : snapshot.decisions) decisions.push_back(report.decision);
+  return decisions;
+}
+
+}  // namespace
+
+SceneServer::SceneServer(const Participant& local)
+    : objects_(local),
+      models_(local),
+      decisions_(local),
+      replies_(local),
+      ros_(local),
+      sender_(1, kMaxVehicles),
+      answerers_(kAnswerers, kMaxWaitingOfAClient, kMaxClients),
+      queries_(local, [this](const SceneQuery& query) { OnQuery(query); }) {}
+
+void SceneServer::Publish(std::shared_ptr<const SceneSnapshot> snapshot) {
+  const std::uint32_t vehicle_id = snapshot->origin.vehicle_id;
+  const std::lock_guard lock(mutex_);
+  newest_[vehicle_id] = std::move(snapshot);
+  if (unsent_.contains(vehicle_id)) return;
+  if (sender_.TrySubmit([this, vehicle_id] { SendNewest(vehicle_id); })) unsent_.insert(vehicle_id);
+}
+
+/// A question for which there is no room is dropped: whoever asks a few at a time, and again after a second
+/// without an answer, is always answered.
+void SceneServer::OnQuery(const SceneQuery& query) {
+  answerers_.TrySubmit(query.id.client, [this, query] {
+    std::shared_ptr<const SceneSnapshot> snapshot;
+    {
+      const std::lock_guard lock(mutex_);
+      const auto found = newest_.find(query.vehicle_id);
+      if (found != newest_.end()) snapshot = found->second;
+    }
+    replies_.Write(AnswerQuery(query, snapshot ? *snapshot : SceneSnapshot{}));
+  });
+}
+
+void SceneServer::SendNewest(std::uint32_t vehicle_id) {
+  std::shared_ptr<const SceneSnapshot> snapshot;
+  {
+    const std::lock_guard lock(mutex_);
+    unsent_.erase(vehicle_id);
+    snapshot = newest_[vehicle_id];
+  }
+  SendTopics(*snapshot);
+  ros_.PublishScene(vehicle_id, snapshot->stamp_utc_ns,
+                    snapshot->understanding ? snapshot->understanding->scene : Scene{},
+                    DecisionsOf(*snapshot));
+}
+
+void SceneServer::SendTopics(const SceneSnapshot& snapshot) {
+  const Origin& origin = snapshot.origin;
+  Sent now;
+  if (snapshot.understanding) {
+    for (const SceneObject& object : snapshot.understanding->scene.objects) {
+      now.objects.insert(object.footprint.object_id);
+      objects_.Write({origin, object});
+    }
+    for (const Solid& solid : snapshot.understanding->scene.solids) {
+      now.models.insert(solid.footprint.object_id);
+      models_.Write(ReportModel(origin, solid));
+    }
+  }
+  for (const DecisionReport& report : snapshot.decisions) {
+    now.decisions.insert({report.decision.object_id, report.decision.side});
+    decisions_.Write(report);
+  }
+  Sent& before = sent_[origin.vehicle_id];
+  for (const std::uint32_t id : before.objects) {
+    if (now.objects.contains(id)) continue;
+    SceneObjectReport gone{origin, {}};
+    gone.object.footprint.object_id = id;
+    objects_.Dispose(gone);
+  }
+  for (const std::uint32_t id : before.models) {
+    if (!now.models.contains(id)) models_.Dispose({origin, id, {}, 0.0, {}});
+  }
+  for (const auto& [id, side] : before.decisions) {
+    if (now.decisions.contains({id, side})) continue;
+    DecisionReport gone;
+    gone.decision.vehicle_id = origin.vehicle_id;
+    gone.decision.object_id = id;
+    gone.decision.side = side;
+    decisions_.Dispose(gone);
+  }
+  before = std::move(now);
+}
+
+}  // namespace soffit
