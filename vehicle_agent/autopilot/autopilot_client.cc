@@ -295,11 +295,16 @@ std::string AutopilotClient::LastComplaint(Instant now) const {
   return IsFresh(complaint_at_, kComplaintLife_s, now) ? complaint_ : "";
 }
 
+std::string AutopilotClient::FindEstimateProblem() const {
+  if (gps_fix_ < kGps3dFix) return "the GPS has no 3D fix";
+  if (!HasEstimate()) return "the autopilot's estimator is not well (flags " + Hex(estimator_flags_) + ")";
+  return {};
+}
+
 std::string AutopilotClient::FindReadinessProblem(Instant now) const {
   if (target_system_ == 0) return "no autopilot was heard";
   if (!IsConnected(now)) return "the autopilot is silent";
-  if (gps_fix_ < kGps3dFix) return "waiting for GPS: no 3D fix";
-  if (!HasEstimate()) return "waiting for the autopilot's estimator (flags " + Hex(estimator_flags_) + ")";
+  if (const std::string problem = FindEstimateProblem(); !problem.empty()) return problem;
   if (!frame_.HasLocalOrigin()) return "waiting for the estimator's origin";
   if (!frame_.origin()) return "waiting for the home position";
   if (!HasPosition(now)) return "waiting for the position";
@@ -325,6 +330,7 @@ Telemetry AutopilotClient::Report(Instant now) const {
   telemetry.is_in_air = landed_state_ >= kLandedInAir;
   telemetry.intent_problem = intent_problem_;
   telemetry.battery_ratio = battery_ratio_;
+  telemetry.position_doubt = FindEstimateProblem();
   telemetry.origin = frame_.origin();
   const bool has_gimbal = std::any_of(arrivals_.begin(), arrivals_.end(), [&](const auto& arrival) {
     return (arrival.first == GimbalDeviceAttitudeStatus::kId || arrival.first == MountOrientation::kId) &&
@@ -351,14 +357,16 @@ std::vector<std::string> AutopilotClient::TakeNotes() { return std::exchange(not
 std::vector<std::vector<std::uint8_t>> AutopilotClient::Pursue(const Intent& intent, Instant now) {
   outbox_.clear();
   KeepContact(now);
+  if (intent.order != order_) setpoint_sent_ = {};  // Said at once.
+  order_ = intent.order;
   if (intent.kind != pursued_) {
     pursued_ = intent.kind;
     pursued_since_ = now;
     intent_problem_.clear();
     asks_.clear();
   }
-  if (IsConnected(now)) {
-    AskForMessages(now);
+  if (IsConnected(now)) AskForMessages(now);
+  if (target_system_ != 0) {  // Also when it is silent: it may hear us.
     switch (intent.kind) {
       case Intent::Kind::kNone:
         PursueNone(now);

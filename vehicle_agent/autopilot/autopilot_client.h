@@ -104,6 +104,7 @@ class AutopilotClient {
   bool IsConnected(Instant now) const;
   bool HasPosition(Instant now) const;
   bool HasEstimate() const;
+  std::string FindEstimateProblem() const;
   std::string FindReadinessProblem(Instant now) const;
   std::string LastComplaint(Instant now) const;
 
@@ -155,6 +156,7 @@ class AutopilotClient {
   std::optional<double> gimbal_pitch_rad_;
 
   Intent::Kind pursued_ = Intent::Kind::kNone;
+  std::uint32_t order_ = 0;
   Instant pursued_since_;
   std::string intent_problem_;
   bool has_asked_to_land_ = false;

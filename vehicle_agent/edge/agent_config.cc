@@ -23,6 +23,9 @@ std::string FindConfigProblem(const AgentConfig& config) {
   if (config.agent.return_after_silence_s <= config.agent.hold_after_silence_s) {
     return "agent.return_after_silence_s: must be longer than hold_after_silence_s";
   }
+  if (const std::string problem = FindPolicyProblem(config.agent.on_failure); !problem.empty()) {
+    return "agent.on_failure." + problem;
+  }
   if (config.guard.floor_m >= config.guard.ceiling_m) return "guard.floor_m: must be below ceiling_m";
   return {};
 }

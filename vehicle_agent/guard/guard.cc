@@ -40,25 +40,30 @@ std::string FindNumberProblem(const FlightCommand& command) {
   return {};
 }
 
-std::string FindFenceProblem(const Eigen::Vector3d& point, const GuardOptions& options) {
-  if (!(point.z() <= options.ceiling_m)) {
+/// How a point is outside the geofence by more than `slack_m`, over whatever floor.
+std::string FindFenceProblem(const Eigen::Vector3d& point, const GuardOptions& options, double slack_m) {
+  if (!(point.z() <= options.ceiling_m + slack_m)) {
     return Say("height ", point.z(), " m is above the geofence's ceiling of ", options.ceiling_m, " m");
   }
-  if (!(point.z() >= options.floor_m)) {
-    return Say("height ", point.z(), " m is below the geofence's floor of ", options.floor_m, " m");
-  }
   const double distance_m = point.head<2>().norm();
-  if (!(distance_m <= options.max_distance_m)) {
+  if (!(distance_m <= options.max_distance_m + slack_m)) {
     return Say("too far: ", distance_m, " m from home, allowed are ", options.max_distance_m, " m");
   }
   if (!options.fence.empty()) {
     Ring ring;
     for (const FenceCorner& corner : options.fence) ring.emplace_back(corner.east_m, corner.north_m);
-    if (!Contains(ring, point.head<2>())) {
+    if (!Contains(ring, point.head<2>()) && !(DistanceToRing(point.head<2>(), ring) < slack_m)) {
       return Say("(", point.x(), ", ", point.y(), ") is outside the geofence");
     }
   }
   return {};
+}
+
+std::string FindPlaceProblem(const Eigen::Vector3d& point, const GuardOptions& options) {
+  if (!(point.z() >= options.floor_m)) {
+    return Say("height ", point.z(), " m is below the geofence's floor of ", options.floor_m, " m");
+  }
+  return FindFenceProblem(point, options, 0.0);
 }
 
 /// A path as it will be flown: from where the vehicle is. The way from outside the fence back into it is
@@ -67,7 +72,7 @@ std::string FindPathProblem(const FlightCommand& command, const GuardContext& co
                             const GuardOptions& options) {
   double length_m = 0.0;
   Eigen::Vector3d from = context.position_in_map_m;
-  bool was_inside = FindFenceProblem(from, options).empty();
+  bool was_inside = FindPlaceProblem(from, options).empty();
   for (const Eigen::Vector3d& to : command.path_in_map_m) {
     const double leg_m = (to - from).norm();
     length_m += leg_m;
@@ -76,7 +81,7 @@ std::string FindPathProblem(const FlightCommand& command, const GuardContext& co
     }
     const int steps = 1 + static_cast<int>(leg_m / kFenceStep_m);
     for (int i = 1; i <= steps; ++i) {
-      std::string problem = FindFenceProblem(from + (to - from) * i / steps, options);
+      std::string problem = FindPlaceProblem(from + (to - from) * i / steps, options);
       if (!problem.empty() && (was_inside || i == steps)) return problem;
       was_inside = problem.empty();
     }
@@ -91,36 +96,6 @@ std::string FindSpeedProblem(const FlightCommand& command, const GuardOptions& o
   if (!(command.speed_mps > 0.0)) return Say("speed ", command.speed_mps, " m/s must be positive");
   if (!(command.speed_mps <= limit_mps)) {
     return Say("too fast: ", command.speed_mps, " m/s, allowed are ", limit_mps, " m/s");
-  }
-  return {};
-}
-
-std::string FindPermitProblem(const CorridorPermit& permit, const GuardContext& context,
-                              std::int64_t now_utc_ns) {
-  const VehicleEnvelope& own = context.envelope;
-  const VehicleEnvelope& its = permit.envelope;
-  if (permit.decision_id == 0 || permit.object_id == 0) return "the corridor's permit names no decision";
-  if (!(permit.valid_until_utc_ns >= now_utc_ns)) {
-    return Say("the corridor's permit expired ",
-               1e-9 * static_cast<double>(now_utc_ns - permit.valid_until_utc_ns), " s ago");
-  }
-  const bool is_ours = std::abs(its.radius_m - own.radius_m) <= kSameDimension_m &&
-                       std::abs(its.height_m - own.height_m) <= kSameDimension_m &&
-                       std::abs(its.safety_margin_m - own.safety_margin_m) <= kSameDimension_m;
-  if (!is_ours) {
-    return Say("the corridor's permit is for another vehicle: radius ", its.radius_m, " m, height ",
-               its.height_m, " m, margin ", its.safety_margin_m, " m; this one: ", own.radius_m, " m, ",
-               own.height_m, " m, ", own.safety_margin_m, " m");
-  }
-  if (!(permit.free_width_m >= own.NeededWidth_m())) {
-    return Say("the corridor is ", permit.free_width_m, " m wide, needed are ", own.NeededWidth_m(), " m");
-  }
-  if (!(permit.free_height_m >= own.NeededHeight_m())) {
-    return Say("the corridor is ", permit.free_height_m, " m high, needed are ", own.NeededHeight_m(), " m");
-  }
-  if (permit.scene_revision < context.newest_scene_revision) {
-    return Say("the corridor's permit is for scene revision ", permit.scene_revision, ", the newest is ",
-               context.newest_scene_revision);
   }
   return {};
 }
@@ -187,7 +162,7 @@ std::string FindKindProblem(const FlightCommand& command, const GuardContext& co
     const double height_m = command.path_in_map_m.front().z();
     if (!(height_m >= kMinTakeoff_m))
       return Say("takeoff height ", height_m, " m is less than ", kMinTakeoff_m, " m");
-    return FindFenceProblem({context.position_in_map_m.x(), context.position_in_map_m.y(), height_m},
+    return FindPlaceProblem({context.position_in_map_m.x(), context.position_in_map_m.y(), height_m},
                             options);
   }
   if (IsMoving(command.kind) && command.path_in_map_m.empty()) return "the path is empty";
@@ -213,7 +188,8 @@ std::string FindKindProblem(const FlightCommand& command, const GuardContext& co
   }
   if (command.kind == CommandKind::kFlyCorridor) {
     if (!command.permit) return "no permit to enter a corridor";
-    const std::string problem = FindPermitProblem(*command.permit, context, now_utc_ns);
+    const std::string problem =
+        FindPermitProblem(*command.permit, context.envelope, context.newest_scene_revision, now_utc_ns);
     return problem.empty() ? FindCorridorPathProblem(command, context, options) : problem;
   }
   return {};
@@ -256,6 +232,45 @@ std::string FindReasonToRefuse(const FlightCommand& command, const GuardContext&
   if (problem.empty()) problem = FindReadinessProblem(command, context, options);
   if (problem.empty()) problem = FindKindProblem(command, context, options, now_utc_ns);
   return problem;
+}
+
+std::string FindPermitProblem(const CorridorPermit& permit, const VehicleEnvelope& own,
+                              std::uint64_t newest_scene_revision, std::int64_t now_utc_ns) {
+  const VehicleEnvelope& its = permit.envelope;
+  if (permit.decision_id == 0 || permit.object_id == 0) return "the corridor's permit names no decision";
+  if (!(permit.valid_until_utc_ns >= now_utc_ns)) {
+    return Say("the corridor's permit expired ",
+               1e-9 * static_cast<double>(now_utc_ns - permit.valid_until_utc_ns), " s ago");
+  }
+  const bool is_ours = std::abs(its.radius_m - own.radius_m) <= kSameDimension_m &&
+                       std::abs(its.height_m - own.height_m) <= kSameDimension_m &&
+                       std::abs(its.safety_margin_m - own.safety_margin_m) <= kSameDimension_m;
+  if (!is_ours) {
+    return Say("the corridor's permit is for another vehicle: radius ", its.radius_m, " m, height ",
+               its.height_m, " m, margin ", its.safety_margin_m, " m; this one: ", own.radius_m, " m, ",
+               own.height_m, " m, ", own.safety_margin_m, " m");
+  }
+  if (!(permit.free_width_m >= own.NeededWidth_m())) {
+    return Say("the corridor is ", permit.free_width_m, " m wide, needed are ", own.NeededWidth_m(), " m");
+  }
+  if (!(permit.free_height_m >= own.NeededHeight_m())) {
+    return Say("the corridor is ", permit.free_height_m, " m high, needed are ", own.NeededHeight_m(), " m");
+  }
+  if (permit.scene_revision < newest_scene_revision) {
+    return Say("the corridor's permit is for scene revision ", permit.scene_revision, ", the newest is ",
+               newest_scene_revision);
+  }
+  return {};
+}
+
+std::string FindBoundsProblem(const Telemetry& telemetry, bool is_in_corridor, const GuardOptions& options) {
+  if (!telemetry.has_position) return {};
+  const double speed_mps = telemetry.velocity_in_map_mps.norm();
+  const double limit_mps = is_in_corridor ? options.max_corridor_speed_mps : options.max_speed_mps;
+  if (!(speed_mps <= options.overspeed_ratio * limit_mps)) {
+    return Say("too fast: ", speed_mps, " m/s, allowed are ", limit_mps, " m/s");
+  }
+  return FindFenceProblem(telemetry.position_in_map_m, options, options.bounds_slack_m);
 }
 
 }  // namespace soffit

@@ -6,6 +6,7 @@
 
 #include "shared/flight/flight.h"
 #include "shared/options/options.h"
+#include "vehicle_agent/vehicle/vehicle.h"
 
 namespace soffit {
 
@@ -30,6 +31,8 @@ struct GuardOptions {
   double min_battery_ratio = 0.25;
   double corridor_join_m = 1.5;
   double corridor_climb_m = 0.05;
+  double bounds_slack_m = 1.0;
+  double overspeed_ratio = 1.5;
   std::vector<FenceCorner> fence;
 
   template <class Self, class Visitor>
@@ -49,6 +52,11 @@ struct GuardOptions {
         OptionInfo{0.1, 10.0, "m", "Greatest distance from the vehicle to a corridor that it is sent into"});
     field("corridor_climb_m", self.corridor_climb_m,
           OptionInfo{0.0, 1.0, "m", "Greatest climb along a corridor: never climb under a soffit"});
+    field(
+        "bounds_slack_m", self.bounds_slack_m,
+        OptionInfo{0.0, 20.0, "m", "So far outside fence, ceiling or distance the vehicle is out of bounds"});
+    field("overspeed_ratio", self.overspeed_ratio,
+          OptionInfo{1.0, 10.0, "", "So many times its speed limit the vehicle is out of bounds"});
     field("fence", self.fence);
   }
 };
@@ -83,5 +91,13 @@ std::string FindAddressProblem(const FlightCommand& command, const GuardContext&
 /// NaN, unknown or out of range is refused. Pure.
 std::string FindReasonToRefuse(const FlightCommand& command, const GuardContext& context,
                                const GuardOptions& options, std::int64_t now_utc_ns);
+
+/// Why a permit must not be used now, in words; empty: it may.
+std::string FindPermitProblem(const CorridorPermit& permit, const VehicleEnvelope& own,
+                              std::uint64_t newest_scene_revision, std::int64_t now_utc_ns);
+
+/// How a vehicle in flight is outside its bounds or too fast for them, in words; empty: it is not, or its
+/// position is not known. The floor is not looked at: vehicles take off and land.
+std::string FindBoundsProblem(const Telemetry& telemetry, bool is_in_corridor, const GuardOptions& options);
 
 }  // namespace soffit

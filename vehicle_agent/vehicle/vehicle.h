@@ -39,6 +39,8 @@ struct Telemetry {
   Eigen::Quaterniond map_from_body = Eigen::Quaterniond::Identity();  ///< Body: FLU.
   double yaw_rad = 0.0;                                               ///< Counter-clockwise from east.
   double rotation_rate_radps = 0.0;
+  std::string
+      position_doubt;  ///< Why the position must not be relied on; empty: nothing is known against it.
   double position_std_m = 0.0;  ///< Per axis.
   double orientation_std_rad = 0.0;
   double battery_ratio = -1.0;             ///< Negative: not known.
@@ -57,6 +59,8 @@ constexpr const char* ToString(CameraId id) {
 struct Intent {
   enum class Kind { kNone, kTakeOff, kFlyTo, kLand };
   Kind kind = Kind::kNone;
+  std::uint32_t order =
+      0;  ///< Another number: something else is wanted, and is said to the autopilot at once.
   Eigen::Vector3d position_in_map_m =
       Eigen::Vector3d::Zero();             ///< kTakeOff: only its height counts. kLand: unused.
   double yaw_rad = 0.0;                    ///< Counter-clockwise from east.

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "test/support/fake_vehicle.h"
+#include "test/support/agent_flight.h"
 
 namespace soffit {
 namespace {
@@ -14,111 +14,7 @@ using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr double kStep_s = 0.05;
-
-/// An agent, its vehicle, and a service that may fall silent.
-class Flight {
- public:
-  explicit Flight(AgentOptions options = {}, GuardOptions guard = {})
-      : agent(MakeAgent(options, guard, now)) {
-    Run(options.rival_listen_s + 0.5);
-  }
-
-  static Agent MakeAgent(const AgentOptions& options, const GuardOptions& guard, Instant now) {
-    AgentIdentity identity;
-    identity.vehicle_id = 7;
-    identity.epoch = 100;
-    identity.name = "kite";
-    identity.envelope = {0.35, 0.30, 0.25};
-    identity.cameras = {CameraId::kForward, CameraId::kDown};
-    return Agent(identity, options, guard, now);
-  }
-
-  void Take(AgentOutputs outputs) {
-    acks.insert(acks.end(), outputs.acks.begin(), outputs.acks.end());
-    notes.insert(notes.end(), outputs.notes.begin(), outputs.notes.end());
-    if (!outputs.exposure) return;
-    exposures.push_back(*outputs.exposure);
-    if (answers_pictures) Say(PictureOutcome{outputs.exposure->request_id, picture_problem});
-  }
-  void Say(const AgentEvent& event) { Take(agent.Step(event, now)); }
-
-  void Run(double seconds) {
-    for (int i = 0; i < static_cast<int>(seconds / kStep_s); ++i) {
-      now.steady_ns += ToNanoseconds(kStep_s);
-      now.utc_ns += ToNanoseconds(kStep_s);
-      vehicle.Follow(agent.intent(), kStep_s);
-      vehicle.telemetry().position_in_map_m += gust_m;
-      Say(vehicle.telemetry());
-      if (service_lives) Say(ServiceHeartbeat{3});
-      Say(Beat{});
-      highest_m = std::max(highest_m, position().z());
-    }
-  }
-  /// Runs until the latest command is done or failed, for at most `seconds`.
-  AckStatus RunToEnd(double seconds = 120.0) {
-    for (double t = 0.0; t < seconds; t += 0.5) {
-      Run(0.5);
-      if (LastStatus() == AckStatus::kDone || LastStatus() == AckStatus::kFailed) break;
-    }
-    return LastStatus();
-  }
-
-  FlightCommand Make(CommandKind kind, std::vector<Eigen::Vector3d> path = {}) {
-    FlightCommand command;
-    command.vehicle_id = 7;
-    command.mission_id = 3;
-    command.sequence = ++sequence;
-    command.valid_until_utc_ns = now.utc_ns + 5'000'000'000;
-    command.kind = kind;
-    command.path_in_map_m = std::move(path);
-    command.speed_mps = kind == CommandKind::kFlyCorridor ? 0.6 : 2.0;
-    if (kind == CommandKind::kLook) {
-      command.capture_id = 40 + sequence;
-      command.purpose = Purpose::kWall;
-    }
-    if (kind == CommandKind::kFlyCorridor) {
-      command.permit = CorridorPermit{11, 2, 6, now.utc_ns + 60'000'000'000, {0.35, 0.30, 0.25}, 1.65, 1.5};
-    }
-    return command;
-  }
-  AckStatus Do(CommandKind kind, std::vector<Eigen::Vector3d> path = {}) {
-    Say(Make(kind, std::move(path)));
-    return RunToEnd();
-  }
-  void FlyToEntry() {
-    ASSERT_EQ(Do(CommandKind::kTakeOff, {{0.0, 0.0, 3.0}}), AckStatus::kDone);
-    ASSERT_EQ(Do(CommandKind::kGoTo, {{4.0, 0.0, 3.0}, {4.0, 0.0, 1.0}}), AckStatus::kDone);
-  }
-  /// Begins the corridor along x from 4 to 10 m and flies until x is beyond `x_m`.
-  void FlyIntoCorridor(double x_m) {
-    FlyToEntry();
-    Say(Make(CommandKind::kFlyCorridor, {{4.0, 0.0, 1.0}, {10.0, 0.0, 1.0}}));
-    for (int i = 0; i < 200 && position().x() < x_m; ++i) Run(kStep_s * 2);
-    ASSERT_GT(position().x(), x_m);
-    ASSERT_EQ(phase(), VehiclePhase::kInCorridor);
-    highest_m = position().z();
-  }
-
-  AckStatus LastStatus() const { return acks.empty() ? AckStatus::kUnknown : acks.back().status; }
-  std::string LastReason() const { return acks.empty() ? "" : acks.back().reason; }
-  const Eigen::Vector3d& position() { return vehicle.telemetry().position_in_map_m; }
-  VehiclePhase phase() const { return agent.Describe(now).phase; }
-  std::string message() const { return agent.Describe(now).message; }
-
-  Instant now{1'000'000'000, 1'700'000'000'000'000'000};
-  FakeVehicle vehicle;
-  Agent agent;
-  std::vector<CommandAck> acks;
-  std::vector<ExposureRequest> exposures;
-  std::vector<std::string> notes;
-  bool service_lives = true;
-  bool answers_pictures = true;
-  std::string picture_problem;
-  Eigen::Vector3d gust_m = Eigen::Vector3d::Zero();
-  std::uint32_t sequence = 0;
-  double highest_m = 0.0;
-};
+constexpr double kStep_s = Flight::kStep_s;
 
 std::vector<AckStatus> StatusesOf(const std::vector<CommandAck>& acks) {
   std::vector<AckStatus> statuses;
@@ -440,6 +336,34 @@ TEST(Agent, GoesOnWithACorridorAfterAHoldInsideOfIt) {
   EXPECT_LT(flight.highest_m, 1.2);
 }
 
+TEST(Agent, DoesNotEnterACorridorWhosePermitExpiredWhileItLinedUp) {
+  Flight flight;
+  flight.FlyToEntry();
+  FlightCommand command = flight.Make(CommandKind::kFlyCorridor, {{4.0, 0.0, 1.0}, {10.0, 0.0, 1.0}});
+  command.permit->valid_until_utc_ns = flight.now.utc_ns + 100'000'000;
+  flight.Say(command);
+  EXPECT_EQ(flight.RunToEnd(), AckStatus::kFailed);
+  EXPECT_THAT(flight.LastReason(), HasSubstr("permit expired"));
+  EXPECT_LT(flight.position().x(), 4.3);
+  EXPECT_EQ(flight.phase(), VehiclePhase::kHolding);
+}
+
+TEST(Agent, ReturnsToTheCorridorsLineBeforeItBacksOut) {
+  Flight flight;
+  flight.FlyIntoCorridor(7.0);
+  flight.gust_m = {0.0, 0.06, 0.0};
+  while (flight.LastStatus() != AckStatus::kFailed) flight.Run(kStep_s);
+  flight.gust_m.setZero();
+  flight.vehicle.telemetry().position_in_map_m.y() = 1.0;
+  double beside_m = 1.0;
+  while (flight.position().x() > 6.0) {
+    flight.Run(kStep_s);
+    beside_m = std::abs(flight.position().y());
+  }
+  EXPECT_LT(beside_m, 0.2);
+  EXPECT_LT(flight.highest_m, 1.2);
+}
+
 TEST(Agent, NeitherClimbsNorLandsInsideACorridor) {
   Flight flight;
   flight.FlyIntoCorridor(6.0);
@@ -523,7 +447,7 @@ TEST(InSilence, ACorridorIsFlownToItsEndByDefault) {
 
 TEST(InSilence, ACorridorIsLeftBackwardsWhenSoConfigured) {
   AgentOptions options;
-  options.finish_corridor_in_silence = false;
+  options.on_failure.service_silent.in_corridor = "back_out";
   Flight flight(options);
   flight.FlyIntoCorridor(6.0);
   flight.service_lives = false;

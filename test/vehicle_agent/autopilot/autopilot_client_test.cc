@@ -189,6 +189,42 @@ TEST(AutopilotClient, StreamsSetpointsAtTheConfiguredRate) {
   EXPECT_NEAR(static_cast<double>(talk.autopilot.setpoints.size()), 100.0, 3.0);
 }
 
+TEST(AutopilotClient, SaysANewOrderAtOnce) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(5.0);
+  talk.intent.kind = Intent::Kind::kFlyTo;
+  for (int i = 0; i < 20; ++i) {
+    talk.Run(0.1 + 0.02 * (i % 5));
+    const std::size_t said = talk.autopilot.setpoints.size();
+    ++talk.intent.order;
+    talk.Run(0.02);
+    EXPECT_EQ(talk.autopilot.setpoints.size(), said + 1);
+  }
+}
+
+TEST(AutopilotClient, KeepsHoldingAVehicleWhoseAutopilotFellSilent) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.TakeOff(5.0);
+  talk.FlyTo({3.0, 1.0, 4.0}, 0.0);
+  talk.autopilot.is_silent = true;
+  talk.Run(5.0);
+  EXPECT_FALSE(talk.Report().is_connected);
+  const std::size_t said = talk.autopilot.setpoints.size();
+  talk.Run(1.0);
+  EXPECT_GE(talk.autopilot.setpoints.size(), said + 9);
+}
+
+TEST(AutopilotClient, SaysWhyItsPositionIsDoubtful) {
+  Talk talk;
+  talk.Run(4.0);
+  EXPECT_THAT(talk.Report().position_doubt, IsEmpty());
+  talk.autopilot.is_ready = false;
+  talk.Run(1.0);
+  EXPECT_THAT(talk.Report().position_doubt, HasSubstr("no 3D fix"));
+}
+
 TEST(AutopilotClient, PutsTheMapsOriginAtHomeWhereverTheLocalFrameBegins) {
   Talk talk;
   talk.autopilot.origin_latitude_e7 -= 1000;  // The local frame begins 11.1 m south of home.

@@ -14,6 +14,7 @@
 namespace soffit {
 namespace {
 
+using std::chrono::steady_clock;
 using ::testing::HasSubstr;
 
 /// The fake autopilot on a real socket, living in real time.
@@ -32,16 +33,26 @@ class LivingAutopilot {
     const std::lock_guard lock(mutex_);
     return autopilot_.is_armed;
   }
+  /// When the first set-point after `since` came that lies farther west than the one before it.
+  std::optional<steady_clock::time_point> FindTurningBack(steady_clock::time_point since) {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 1; i < arrivals_.size(); ++i) {
+      const auto& setpoints = autopilot_.setpoints;
+      if (arrivals_[i] > since && setpoints[i].y < setpoints[i - 1].y - 0.1F) return arrivals_[i];
+    }
+    return std::nullopt;
+  }
 
  private:
   void Live() {
     mavlink::FrameParser parser;
-    auto last = std::chrono::steady_clock::now();
+    auto last = steady_clock::now();
     while (!stop_) {
       const auto bytes = link_->Receive(std::chrono::milliseconds(5));
       const std::lock_guard lock(mutex_);
       for (const auto& frame : parser.Feed(bytes)) autopilot_.Receive(frame);
-      const auto now = std::chrono::steady_clock::now();
+      const auto now = steady_clock::now();
+      arrivals_.resize(autopilot_.setpoints.size(), now);
       const auto passed = std::chrono::duration_cast<std::chrono::milliseconds>(now - last);
       last += passed;
       for (const auto& packet : autopilot_.Live(static_cast<std::uint32_t>(passed.count())))
@@ -52,6 +63,7 @@ class LivingAutopilot {
   std::unique_ptr<mavlink::Link> link_;
   std::string url_;
   FakeAutopilot autopilot_;
+  std::vector<steady_clock::time_point> arrivals_;  ///< Of its set-points.
   std::mutex mutex_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
@@ -139,27 +151,26 @@ TEST_F(StationTest, TakesOffLooksAndLandsOverTheBus) {
   EXPECT_EQ(ack->status, AckStatus::kDone) << ack->reason;
 }
 
-TEST_F(StationTest, TakesAnAbortAtOnce) {
+TEST_F(StationTest, StopsWithinAHundredMillisecondsOfAnAbort) {
   LivingAgent agent(config_, 1);
   const Participant radio = JoinAsService();
   Commander service(radio, 7, 3);
   ASSERT_TRUE(service.WaitFor(IsReady, 15.0));
   ASSERT_EQ(service.Do(Make(CommandKind::kTakeOff, {{0.0, 0.0, 2.0}}), 20.0)->status, AckStatus::kDone);
-  EXPECT_FALSE(service.Do(Make(CommandKind::kGoTo, {{60.0, 0.0, 2.0}}), 2.0).has_value());
-  const auto begun = std::chrono::steady_clock::now();
-  std::thread abort([&] { service.Do(Make(CommandKind::kAbort), 5.0); });
-  const auto is_stopping = [&] {
-    for (const CommandAck& ack : service.Acks()) {
-      if (ack.sequence == 3 && ack.status == AckStatus::kAccepted) return true;
-    }
-    return false;
-  };
-  while (!is_stopping() && std::chrono::steady_clock::now() - begun < std::chrono::seconds(2)) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::vector<double> delays_s;  // From the abort's writing to the stop's arrival at the autopilot.
+  for (double east_m = 60.0; east_m < 65.0; east_m += 1.0) {
+    EXPECT_FALSE(service.Do(Make(CommandKind::kGoTo, {{east_m, 0.0, 2.0}}), 2.0).has_value());
+    const auto sent = steady_clock::now();
+    ASSERT_EQ(service.Do(Make(CommandKind::kAbort), 10.0)->status, AckStatus::kDone);
+    const auto turned = autopilot_.FindTurningBack(sent);
+    ASSERT_TRUE(turned.has_value());
+    delays_s.push_back(std::chrono::duration<double>(*turned - sent).count());
   }
-  // 100 ms is what is promised; a busy test machine needs some more.
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(300));
-  abort.join();
+  std::ranges::sort(delays_s);
+  RecordProperty("median_ms", std::to_string(1e3 * delays_s[2]));
+  RecordProperty("worst_ms", std::to_string(1e3 * delays_s[4]));
+  EXPECT_LT(delays_s[2], 0.1);
+  EXPECT_LT(delays_s[4], 0.3);  // Machines that run tests may be busy.
 }
 
 TEST_F(StationTest, ALaterAgentOfTheSameVehicleGivesWay) {

@@ -348,5 +348,32 @@ TEST(FindAddressProblem, TakesTheNextNumberANewMissionAndAnEarlyStop) {
   EXPECT_THAT(FindAddressProblem(abort, Airborne()), IsEmpty());
 }
 
+Telemetry FlyingAt(const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_mps = {0.0, 0.0, 0.0}) {
+  Telemetry telemetry;
+  telemetry.has_position = true;
+  telemetry.position_in_map_m = position_m;
+  telemetry.velocity_in_map_mps = velocity_mps;
+  return telemetry;
+}
+
+TEST(FindBoundsProblem, SeesAVehicleThatLeftItsBounds) {
+  GuardOptions options;
+  options.fence = {{-10.0, -10.0}, {10.0, -10.0}, {10.0, 10.0}, {-10.0, 10.0}};
+  const auto find = [&](const Telemetry& telemetry, bool is_in_corridor = false) {
+    return FindBoundsProblem(telemetry, is_in_corridor, options);
+  };
+  EXPECT_THAT(find(FlyingAt({0.0, 0.0, 5.0}, {3.0, 0.0, 0.0})), IsEmpty());
+  EXPECT_THAT(find(FlyingAt({10.9, 0.0, 5.0})), IsEmpty());  // Within the slack.
+  EXPECT_THAT(find(FlyingAt({0.0, 0.0, -1.0})), IsEmpty());  // Landing in a hollow.
+  EXPECT_THAT(find(FlyingAt({11.1, 0.0, 5.0})), HasSubstr("outside the geofence"));
+  EXPECT_THAT(find(FlyingAt({0.0, 0.0, 61.1})), HasSubstr("above the geofence's ceiling"));
+  EXPECT_THAT(find(FlyingAt({0.0, 0.0, kNan})), HasSubstr("ceiling"));
+  EXPECT_THAT(find(FlyingAt({0.0, 0.0, 5.0}, {4.6, 0.0, 0.0})), HasSubstr("too fast"));
+  EXPECT_THAT(find(FlyingAt({0.0, 0.0, 5.0}, {1.6, 0.0, 0.0}), true), HasSubstr("too fast"));
+  options.fence.clear();
+  EXPECT_THAT(find(FlyingAt({151.1, 0.0, 5.0})), HasSubstr("too far"));
+  EXPECT_THAT(find(Telemetry{}), IsEmpty());  // Not known: that is another failure.
+}
+
 }  // namespace
 }  // namespace soffit
