@@ -12,6 +12,8 @@ constexpr double kMinCosine = 0.34;  // 70 degrees off the wall's normal: foresh
 constexpr double kCellPerPixel = 0.5;
 constexpr int kMaxCells = 4000;  // Of one side of the raster.
 constexpr double kOffWall_m = 1e-3;
+constexpr double kRoofSearch = 1.6;  // Times the height that is expected.
+constexpr double kFallbackHeight_m = 12.0;
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -27,7 +29,7 @@ bool Crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Ring& rin
 
 }  // namespace
 
-std::optional<Elevation> Rectify(const Polygon& footprint, int side, double up_to_m, int own_class,
+std::optional<Elevation> Rectify(const Polygon& footprint, int side, double height_m, int own_class,
                                  const Image& image, const Mask& mask, const Sight& sight,
                                  double resolution_m) {
   Elevation view;
@@ -43,6 +45,7 @@ std::optional<Elevation> Rectify(const Polygon& footprint, int side, double up_t
   const double cosine = view.camera_front_m / distance;
   if (!(cosine >= kMinCosine)) return std::nullopt;
 
+  const double up_to_m = kRoofSearch * (height_m > 0.0 ? height_m : kFallbackHeight_m);
   const Intrinsics& k = sight.view.intrinsics;
   const double pixel_m = view.camera_front_m / k.fx_px;
   view.cell_m =
@@ -54,12 +57,12 @@ std::optional<Elevation> Rectify(const Polygon& footprint, int side, double up_t
 
   view.seen = cv::Mat1b(rows, columns, static_cast<uchar>(Seen::kUnexplained));
   view.is_visible = cv::Mat1b(rows, columns, uchar{0});
+  const int highest = std::min(rows - 1, view.Row(height_m));
   int visible_columns = 0;
   for (int column = 0; column < columns; ++column) {
     const Eigen::Vector2d plan =
         view.wall.InPlan(view.Center(column, 0).x()) + kOffWall_m * view.wall.outward;
     if (Crosses(camera_plan, plan, footprint.outer)) continue;
-    int visible_rows = 0;
     for (int row = 0; row < rows; ++row) {
       const auto pixel = Project(sight.view, view.wall.InMap(view.Center(column, row)));
       if (!pixel) continue;
@@ -73,9 +76,8 @@ std::optional<Elevation> Rectify(const Polygon& footprint, int side, double up_t
       }
       view.seen(row, column) = seen;
       view.is_visible(row, column) = 1;
-      ++visible_rows;
     }
-    if (visible_rows > 0) ++visible_columns;
+    if (view.is_visible(0, column) != 0 && view.is_visible(highest, column) != 0) ++visible_columns;
   }
   view.visible_ratio = static_cast<double>(visible_columns) / columns;
   view.quality = view.visible_ratio * cosine / (1.0 + distance / std::max(view.wall.width_m, up_to_m));

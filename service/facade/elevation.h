@@ -19,7 +19,7 @@ struct Elevation {
   double pose_std_m = 0.0;     ///< What the pose's uncertainty amounts to on the wall.
   cv::Mat1b seen;              ///< `Seen`; structure of another colour class is kUnexplained.
   cv::Mat1b is_visible;        ///< 0 where the cell lies outside the picture or behind the building itself.
-  double visible_ratio = 0.0;  ///< Share of the columns that are visible.
+  double visible_ratio = 0.0;  ///< Share of the columns that are visible from the wall's foot to its height.
   double quality = 0.0;        ///< For the choice between pictures: visible, square on and close is best.
 
   int Column(double u_m) const { return static_cast<int>(u_m / cell_m); }
@@ -30,7 +30,9 @@ struct Elevation {
 };
 
 /// None when the picture does not show the wall's outer face.
-std::optional<Elevation> Rectify(const Polygon& footprint, int side, double up_to_m, int own_class,
+///
+/// @param height_m  Of the wall; 0: not known.
+std::optional<Elevation> Rectify(const Polygon& footprint, int side, double height_m, int own_class,
                                  const Image& image, const Mask& mask, const Sight& sight,
                                  double resolution_m);
 

@@ -20,8 +20,6 @@ constexpr double kMinGroundOnlyShare = 0.90;
 constexpr double kStraightShare = 0.25;  // Of a head's columns that have to lie on one level.
 constexpr double kPixelStd = 0.7;
 constexpr double kMisfitSigmas = 6.0;  // Of the pose: by so much the picture may be beside the wall's end.
-constexpr double kRoofSearch = 1.6;    // Times the height that is expected.
-constexpr double kFallbackHeight_m = 12.0;
 constexpr int kHeadSegments = 24;
 
 double Median(std::vector<double> values) {
@@ -405,7 +403,6 @@ std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image
   SOFFIT_EXPECT(images.size() == sights.size() && masks.size() == sights.size());
   const Polygon& footprint = object.polygon_in_map_m;
   const int sides = static_cast<int>(footprint.outer.size());
-  const double expected_m = object.height_m > 0.0 ? object.height_m : kFallbackHeight_m;
 
   std::vector<std::optional<Elevation>> best(static_cast<std::size_t>(sides));
   for (std::size_t i = 0; i < sights.size(); ++i) {
@@ -413,7 +410,7 @@ std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image
     const int own_class =
         found == masks[i].classes.end() ? 0 : static_cast<int>(found - masks[i].classes.begin()) + 1;
     for (int side = 0; side < sides; ++side) {
-      std::optional<Elevation> view = Rectify(footprint, side, kRoofSearch * expected_m, own_class, images[i],
+      std::optional<Elevation> view = Rectify(footprint, side, object.height_m, own_class, images[i],
                                               masks[i], sights[i], options.resolution_m);
       std::optional<Elevation>& chosen = best[static_cast<std::size_t>(side)];
       if (!view || view->visible_ratio < kMinVisible) continue;

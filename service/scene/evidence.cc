@@ -8,6 +8,7 @@ namespace soffit {
 namespace {
 
 constexpr int kEdge_px = 2;     // How far a predicted edge and a seen one may lie apart.
+constexpr int kMixed_px = 3;    // How far the colours of both sides of an edge mix: half the median filter.
 constexpr int kHorizon_px = 6;  // Ground fades into sky.
 constexpr int kMisfit_px = 6;   // Contradictions that stay so close to a predicted edge are no things.
 constexpr int kMostMisfit_px = 40;
@@ -91,7 +92,7 @@ void Evidence::Compare(const Sight& sight, const Prediction& prediction) {
   const double tilt_px = kMisfitSigmas * sight.view.intrinsics.fx_px * sight.view.orientation_std_rad;
   const int mixed_px = std::min(kHorizon_px, kEdge_px + static_cast<int>(std::ceil(tilt_px)));
   const cv::Mat1b edge =
-      Either(Border(structure, kEdge_px), Both(Grow(ground, mixed_px), Grow(sky, mixed_px)));
+      Either(Border(structure, kEdge_px + kMixed_px), Both(Grow(ground, mixed_px), Grow(sky, mixed_px)));
   const cv::Mat1b horizon = Both(Grow(ground, kHorizon_px), Grow(sky, kHorizon_px));
   const cv::Mat1b seen_ground = Only(sight.seen, Seen::kGround);
   const cv::Mat1b seen_sky = Only(sight.seen, Seen::kSky);
@@ -110,7 +111,8 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
   cv::Mat stats, centers;
   cv::Mat1b is_strange = fails_.clone();
   is_strange.setTo(0, near_edge_);
-  is_strange.setTo(0, Either(Only(sight.seen, Seen::kGround), Only(sight.seen, Seen::kSky)));  // The model's fault.
+  is_strange.setTo(
+      0, Either(Only(sight.seen, Seen::kGround), Only(sight.seen, Seen::kSky)));  // The model's fault.
   const int count = cv::connectedComponentsWithStats(is_strange, component_, stats, centers, 8, CV_32S);
   struct Trace {
     std::vector<float> covered_m;  ///< Depths of the model that it covers.

@@ -16,6 +16,7 @@ namespace {
 constexpr double kOtherDirection = 0.985;      // Cosine (10 degrees).
 constexpr double kVeryOtherDirection = 0.766;  // Cosine (40 degrees).
 constexpr std::size_t kMinThing = 8;           // Voxels: smaller groups are noise.
+constexpr int kFinerLevels = 2;  // A voxel that is partly unknown is looked at in 8 parts, twice.
 
 /// The space that is mapped: whole voxels, aligned as OctoMap aligns them.
 struct Grid {
@@ -212,13 +213,28 @@ Voxel Judge(const std::vector<Evidence>& pictures, const Eigen::Vector3d& center
   return is_free ? Voxel::kFree : Voxel::kUnknown;
 }
 
+/// A cube is free when the ball about it is, or all of its eight parts are.
+Voxel JudgeCube(const std::vector<Evidence>& pictures, const Eigen::Vector3d& center, double edge_m,
+                int finer_levels) {
+  const Voxel whole = Judge(pictures, center, 0.5 * std::sqrt(3.0) * edge_m);
+  if (whole != Voxel::kUnknown || finer_levels == 0) return whole;
+  if (Judge(pictures, center, 0.0) != Voxel::kFree) return Voxel::kUnknown;
+  for (int part = 0; part < 8; ++part) {
+    const Eigen::Vector3d offset(part % 2 - 0.5, part / 2 % 2 - 0.5, part / 4 - 0.5);
+    const Voxel state = JudgeCube(pictures, center + 0.5 * edge_m * offset, 0.5 * edge_m, finer_levels - 1);
+    if (state != Voxel::kFree) return Voxel::kUnknown;
+  }
+  return Voxel::kFree;
+}
+
 Voxels MapSpace(const Scene& scene, const std::vector<Evidence>& pictures, const SceneOptions& options) {
   Voxels voxels(LayGrid(BoundWanted(scene, options.margin_m), options));
   FillSolids(scene, voxels);
-  const double radius = 0.5 * std::sqrt(3.0) * voxels.grid.voxel_m;
-  ForEach(voxels.grid, [&](const Index& at) {
+  const Grid& grid = voxels.grid;
+  ForEach(grid, [&](const Index& at) {
     Voxel& state = voxels.At(at);
-    if (state != Voxel::kSolid) state = Judge(pictures, voxels.grid.Center(at[0], at[1], at[2]), radius);
+    if (state != Voxel::kSolid)
+      state = JudgeCube(pictures, grid.Center(at[0], at[1], at[2]), grid.voxel_m, kFinerLevels);
   });
   return voxels;
 }

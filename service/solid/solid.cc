@@ -11,8 +11,8 @@
 namespace soffit {
 namespace {
 
-constexpr double kOvercut_m = 0.01;  // Cuts reach this far out of the solid, so that no faces coincide.
-constexpr double kMinOverlap = 0.5;  // Of the smaller mouth's width: less is no counterpart.
+constexpr double kOvercut_m = 0.01;   // Cuts reach this far out of the solid, so that no faces coincide.
+constexpr double kMinOverlap = 0.5;   // Of the smaller mouth's width: less is no counterpart.
 constexpr double kAgreeSigmas = 6.0;  // By more, the mouths of one passage do not differ.
 
 struct Extent {
@@ -149,10 +149,10 @@ struct Assembly {
     std::size_t index = 0;
     Ring section;
   };
-  /// The opening of `facade` that shows something beyond and shares most with this one of `wall`. Both are the
-  /// section of one passage, so they should be alike; when they are not, something beyond one of them that
-  /// looks like the building hides a part of it, and the larger one is the passage's. Whether all of that is
-  /// free is for the scene to tell.
+  /// The opening of `facade` that shows something beyond and shares most with this one of `wall`. Both are
+  /// the section of one passage, so they should be alike; when they are not, something beyond one of them
+  /// that looks like the building hides a part of it, and the larger one is the passage's. Whether all of
+  /// that is free is for the scene to tell.
   std::optional<Counterpart> FindCounterpart(const Facade& facade, const Wall& wall,
                                              const Opening& opening) const {
     const Ring& ring = opening.ring_in_wall_m;

@@ -112,6 +112,13 @@ TEST(PlanCorridors, TellsWhatAPoleInTheMiddleLeaves) {
   EXPECT_NEAR(corridors[0].free_width_m, 0.95, 1e-6);
 }
 
+TEST(PlanCorridors, GoesOverALowThingWithRoomToSpare) {
+  const auto corridors = PlanCorridors(WithPassage({{{2.0, 0.7, 0}, 0.9, 0.3, 0.0, {}}}), 7, kVehicle, {});
+  ASSERT_THAT(corridors, SizeIs(1));
+  EXPECT_NEAR(corridors[0].floor_m, 0.6, 1e-6);
+  EXPECT_NEAR(corridors[0].free_height_m, 0.9, 1e-6);
+}
+
 TEST(PlanCorridors, DoesNotLoseAPassageThatIsFilledUp) {
   const auto corridors = PlanCorridors(WithPassage({{{2.0, 0.7, 0}, 2.0, 2.0, 0.0, {}}}), 7, kVehicle, {});
   ASSERT_THAT(corridors, SizeIs(1));

@@ -116,6 +116,16 @@ TEST(ReadFacades, KnowsWhichWallsItDidNotSee) {
   EXPECT_THAT(facades[2].openings, IsEmpty());
 }
 
+TEST(ReadFacades, ReadsTheWholeWallFromAfarWhenANearPictureCutsItsFootOff) {
+  const View near = test::LevelView({0.0, -2.0, 1.3}, M_PI / 2);
+  const auto alone = Read({}, {near});
+  EXPECT_FALSE(alone[0].was_seen);
+  const auto facades = Read({}, {near, test::FromSouth()});
+  EXPECT_TRUE(facades[0].was_seen);
+  ASSERT_THAT(facades[0].openings, SizeIs(1));
+  EXPECT_NEAR(facades[0].openings[0].ring_in_wall_m[0].y(), 0.0, 1e-9);
+}
+
 TEST(ReadFacades, SeesNothingWithoutPictures) {
   for (const Facade& facade : ReadFacades(Arch{}.footprint(), {}, {}, {}, {})) EXPECT_FALSE(facade.was_seen);
 }

@@ -67,13 +67,22 @@ TEST(RaiseSolid, CutsAPassageThatBothWallsShow) {
   EXPECT_EQ(solid.value().passages[0].exit_wall, 2);
 }
 
-TEST(RaiseSolid, KeepsTheCommonPartOfBothMouths) {
+TEST(RaiseSolid, KeepsTheCommonPartOfMouthsThatAgree) {
   auto facades = Closed(4);
   facades[0].openings = {Through({{1, 0}, {2.6, 0}, {2.6, 1.5}, {1, 1.5}})};
-  facades[2].openings = {Through({{1.5, 0}, {3, 0}, {3, 1.2}, {1.5, 1.2}})};
+  facades[2].openings = {Through({{1.42, 0}, {2.98, 0}, {2.98, 1.48}, {1.42, 1.48}})};
   const auto solid = RaiseSolid(Building(kBlock), facades, {});
   ASSERT_TRUE(solid.ok());
-  EXPECT_NEAR(solid.value().volume_m3, 12.0 - 1.5 * 1.2 * 1.5, 1e-6);
+  EXPECT_NEAR(solid.value().volume_m3, 12.0 - 1.56 * 1.48 * 1.5, 1e-6);
+}
+
+TEST(RaiseSolid, TakesTheLargerOfMouthsThatDifferForSomethingBeyondHidesTheOther) {
+  auto facades = Closed(4);
+  facades[0].openings = {Through({{1, 0}, {2.6, 0}, {2.6, 1.5}, {1, 1.5}})};
+  facades[2].openings = {Through({{2, 0}, {3, 0}, {3, 1.5}, {2, 1.5}})};
+  const auto solid = RaiseSolid(Building(kBlock), facades, {});
+  ASSERT_TRUE(solid.ok());
+  EXPECT_NEAR(solid.value().volume_m3, 12.0 - 1.6 * 1.5 * 1.5, 1e-6);
 }
 
 TEST(RaiseSolid, CutsNoPassageIntoAWallThatWasSeenClosed) {
