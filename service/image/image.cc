@@ -1,11 +1,14 @@
 #include "service/image/image.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
+#include "service/image/jpeg.h"
 #include "service/image/picture_header.h"
 
 namespace soffit {
@@ -30,6 +33,57 @@ Status CheckHeader(const PictureHeader& header, const ImageOptions& options) {
                                              std::to_string(options.max_scans) + " (image.max_scans)"};
   }
   return OkStatus();
+}
+
+/// Reads no more than the header, and refuses what is too large to be decoded.
+Result<PictureHeader> Inspect(const std::vector<std::uint8_t>& bytes, const ImageOptions& options) {
+  SOFFIT_EXPECT(IsValidOptions(options));
+  if (bytes.empty()) return InvalidInput("it is empty");
+  if (bytes.size() > static_cast<std::size_t>(options.max_bytes)) {
+    return Error{Error::Code::kTooLarge, "it has " + std::to_string(bytes.size()) + " bytes, more than " +
+                                             std::to_string(options.max_bytes) + " (image.max_bytes)"};
+  }
+  Result<PictureHeader> header = ReadPictureHeader(bytes);
+  if (!header.ok()) return header;
+  if (const Status status = CheckHeader(header.value(), options); !status.ok()) return status.error();
+  return header;
+}
+
+/// What is transparent shows white paper.
+template <class Channel>
+cv::Mat3b LayOnWhite(const cv::Mat_<cv::Vec<Channel, 4>>& bgra) {
+  constexpr std::uint32_t kOpaque = std::numeric_limits<Channel>::max();
+  cv::Mat3b bgr(bgra.size());
+  std::transform(bgra.begin(), bgra.end(), bgr.begin(), [](const cv::Vec<Channel, 4>& pixel) {
+    const std::uint32_t alpha = pixel[3];
+    cv::Vec3b laid;
+    for (int i = 0; i < 3; ++i) {
+      const std::uint32_t level = (pixel[i] * alpha + kOpaque / 2) / kOpaque + kOpaque - alpha;
+      laid[i] = static_cast<std::uint8_t>((level * 255U + kOpaque / 2) / kOpaque);
+    }
+    return laid;
+  });
+  return bgr;
+}
+
+Result<cv::Mat3b> DecodePng(const std::vector<std::uint8_t>& bytes, const PictureHeader& header) {
+  cv::Mat decoded;
+  try {
+    const int color = cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION;
+    decoded = cv::imdecode(bytes, header.has_alpha ? cv::IMREAD_UNCHANGED : color);
+  } catch (const cv::Exception&) {
+    decoded.release();
+  }
+  if (decoded.cols != header.width_px || decoded.rows != header.height_px)
+    return InvalidInput("the PNG is damaged");
+  if (decoded.type() == CV_8UC4) return LayOnWhite<std::uint8_t>(decoded);
+  if (decoded.type() == CV_16UC4) return LayOnWhite<std::uint16_t>(decoded);
+  return cv::Mat3b(decoded);
+}
+
+Result<cv::Mat3b> Decode(const std::vector<std::uint8_t>& bytes, const PictureHeader& header) {
+  if (header.format == PictureFormat::kPng) return DecodePng(bytes, header);
+  return DecodeJpeg(bytes, cv::Size(static_cast<int>(header.width_px), static_cast<int>(header.height_px)));
 }
 
 bool IsFinite(const Pose<Map, Camera>& pose) {
@@ -87,26 +141,9 @@ cv::Mat3b Undistort(const cv::Mat3b& picture, const Intrinsics& distorted, const
 }  // namespace
 
 Result<cv::Mat3b> DecodePicture(const std::vector<std::uint8_t>& bytes, const ImageOptions& options) {
-  SOFFIT_EXPECT(IsValidOptions(options));
-  if (bytes.empty()) return InvalidInput("it is empty");
-  if (bytes.size() > static_cast<std::size_t>(options.max_bytes)) {
-    return Error{Error::Code::kTooLarge, "it has " + std::to_string(bytes.size()) + " bytes, more than " +
-                                             std::to_string(options.max_bytes) + " (image.max_bytes)"};
-  }
-  const Result<PictureHeader> header = ReadPictureHeader(bytes);
+  const Result<PictureHeader> header = Inspect(bytes, options);
   if (!header.ok()) return header.error();
-  if (const Status status = CheckHeader(header.value(), options); !status.ok()) return status.error();
-  cv::Mat decoded;
-  try {
-    decoded = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
-    decoded.release();
-  }
-  if (decoded.empty() || decoded.cols != header.value().width_px ||
-      decoded.rows != header.value().height_px) {
-    return InvalidInput("its content is damaged");
-  }
-  return cv::Mat3b(decoded);
+  return Decode(bytes, header.value());
 }
 
 Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options) {
@@ -122,13 +159,16 @@ Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options) {
     return InvalidInput(who + "the standard deviations of its pose are not finite and >= 0");
   }
   if (!IsDistortionInvertible(k)) return InvalidInput(who + "its distortion folds the picture over itself");
-  Result<cv::Mat3b> picture = DecodePicture(capture.bytes, options);
+  const Result<PictureHeader> inspected = Inspect(capture.bytes, options);
+  if (!inspected.ok()) return Error{inspected.error().code, who + inspected.error().message};
+  const PictureHeader& header = inspected.value();
+  if (header.width_px != k.width_px || header.height_px != k.height_px) {
+    return InvalidInput(who + "it has " + SizeText(header.width_px, header.height_px) +
+                        ", its intrinsics are for " + SizeText(k.width_px, k.height_px));
+  }
+  Result<cv::Mat3b> picture = Decode(capture.bytes, header);
   if (!picture.ok()) return Error{picture.error().code, who + picture.error().message};
   const cv::Mat3b& bgr = picture.value();
-  if (bgr.cols != k.width_px || bgr.rows != k.height_px) {
-    return InvalidInput(who + "it has " + SizeText(bgr.cols, bgr.rows) + ", its intrinsics are for " +
-                        SizeText(k.width_px, k.height_px));
-  }
 
   Image image;
   image.capture_id = capture.capture_id;

@@ -37,12 +37,12 @@ struct ImageOptions {
 };
 
 /// Decodes a JPEG or PNG, told by its magic. Size, scans and completeness are checked before anything is
-/// decoded. Greyscale, 16-bit, CMYK and alpha are turned to 8-bit BGR; an orientation tag is not followed. An
-/// error says what is wrong. Pure; O(pixels).
+/// decoded. Greyscale, 16-bit and CMYK are turned to 8-bit BGR, what is transparent shows white; an
+/// orientation tag is not followed. An error says what is wrong. Pure; O(pixels).
 Result<cv::Mat3b> DecodePicture(const std::vector<std::uint8_t>& bytes, const ImageOptions& options);
 
-/// Decodes and undistorts a picture. Its size has to be that of the intrinsics, and its pose finite.
-/// The undistorted camera is zoomed so that the lens saw all of its pixels; none is made up.
+/// Decodes and undistorts a picture. Its size has to be that of the intrinsics, or it is not decoded, and its
+/// pose finite. The undistorted camera is zoomed so that the lens saw all of its pixels; none is made up.
 /// Errors name the picture and what is wrong with it. Pure; O(pixels).
 Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options);
 

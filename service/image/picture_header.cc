@@ -25,7 +25,8 @@ bool IsFrameHeader(std::uint8_t marker) {  // SOF0 to SOF15, without DHT, JPG an
 Result<PictureHeader> ReadJpegHeader(const std::vector<std::uint8_t>& bytes) {
   constexpr std::uint8_t kEnd = 0xd9;
   constexpr std::uint8_t kScan = 0xda;
-  PictureHeader header{PictureFormat::kJpeg, 0, 0, 0};
+  PictureHeader header;
+  header.scans = 0;
   std::size_t at = 2;
   while (at + 1 < bytes.size()) {
     const std::uint8_t marker = bytes[at + 1];
@@ -56,9 +57,14 @@ Result<PictureHeader> ReadJpegHeader(const std::vector<std::uint8_t>& bytes) {
 
 Result<PictureHeader> ReadPngHeader(const std::vector<std::uint8_t>& bytes) {
   constexpr std::uint32_t kIhdr = 0x49484452;
+  constexpr std::uint32_t kTrns = 0x74524e53;
   constexpr std::uint32_t kIend = 0x49454e44;
+  constexpr std::uint8_t kColored = 2;
+  constexpr std::uint8_t kAlphaChannel = 4;
   std::size_t at = kPngMagic.size();
-  PictureHeader header{PictureFormat::kPng, 0, 0, 1};
+  PictureHeader header;
+  header.format = PictureFormat::kPng;
+  std::uint8_t color_type = 0;
   while (at + 12 <= bytes.size()) {
     const std::size_t length = BigEndian(bytes, at, 4);
     const std::uint32_t type = BigEndian(bytes, at + 4, 4);
@@ -68,7 +74,10 @@ Result<PictureHeader> ReadPngHeader(const std::vector<std::uint8_t>& bytes) {
       header.width_px = BigEndian(bytes, at + 8, 4);
       header.height_px = BigEndian(bytes, at + 12, 4);
       if (header.width_px == 0) return InvalidInput("the PNG has no pixels");
+      color_type = bytes[at + 17];
+      header.has_alpha = (color_type & kAlphaChannel) != 0;
     }
+    if (type == kTrns && (color_type & kColored) != 0) header.has_alpha = true;
     if (length > bytes.size() - at - 12) break;
     if (type == kIend) return header;
     at += 12 + length;

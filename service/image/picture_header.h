@@ -15,7 +15,8 @@ struct PictureHeader {
   PictureFormat format = PictureFormat::kJpeg;
   std::int64_t width_px = 0;
   std::int64_t height_px = 0;
-  int scans = 1;  ///< JPEG: the number of scans; PNG: 1.
+  bool has_alpha = false;  ///< PNG: an alpha channel, or colours that are transparent.
+  int scans = 1;           ///< JPEG: the number of scans; PNG: 1.
 };
 
 /// Reads the header of a JPEG (ITU-T T.81, annex B) or a PNG (ISO/IEC 15948, section 5), told by their magic.

@@ -2,6 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdio>
+// After <cstdio>, of which it needs declarations.
+#include <jpeglib.h>
+
+#include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -26,6 +32,50 @@ Bytes Encode(const char* extension, const cv::Mat& picture, const std::vector<in
   Bytes bytes;
   cv::imencode(extension, picture, bytes, parameters);
   return bytes;
+}
+
+/// A JPEG of four inks, inverted as all programs write them; YCCK is the form that Adobe's programs prefer.
+Bytes EncodeInks(const cv::Mat4b& inks, J_COLOR_SPACE stored) {
+  jpeg_compress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  jpeg.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&jpeg);
+  unsigned char* memory = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&jpeg, &memory, &size);
+  jpeg.image_width = static_cast<JDIMENSION>(inks.cols);
+  jpeg.image_height = static_cast<JDIMENSION>(inks.rows);
+  jpeg.input_components = 4;
+  jpeg.in_color_space = JCS_CMYK;
+  jpeg_set_defaults(&jpeg);
+  jpeg_set_colorspace(&jpeg, stored);
+  jpeg_set_quality(&jpeg, 98, TRUE);
+  jpeg_start_compress(&jpeg, TRUE);
+  for (int y = 0; y < inks.rows; ++y) {
+    cv::Mat row = inks.row(y).clone();
+    JSAMPROW samples = row.data;
+    jpeg_write_scanlines(&jpeg, &samples, 1);
+  }
+  jpeg_finish_compress(&jpeg);
+  jpeg_destroy_compress(&jpeg);
+  const Bytes bytes(memory, memory + size);
+  std::free(memory);  // NOLINT(cppcoreguidelines-no-malloc): libjpeg's.
+  return bytes;
+}
+
+/// The bytes up to `share` of the way, and the marker that ends a JPEG.
+Bytes CutAndClose(const Bytes& jpeg, double share) {
+  Bytes cut(jpeg.begin(),
+            jpeg.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(jpeg.size())));
+  cut.insert(cut.end(), {0xff, 0xd9});
+  return cut;
+}
+
+/// Where a JPEG says how large it is: two bytes for the height, two for the width.
+std::size_t FindFrameSize(const Bytes& jpeg) {
+  const Bytes frame = {0xff, 0xc0, 0x00, 0x11, 0x08};
+  const auto found = std::search(jpeg.begin(), jpeg.end(), frame.begin(), frame.end());
+  return static_cast<std::size_t>(found - jpeg.begin()) + frame.size();
 }
 
 Capture CaptureOf(Bytes bytes, int width = 64, int height = 48) {
@@ -85,6 +135,52 @@ TEST(DecodeImage, RefusesEveryTruncation) {
   }
 }
 
+TEST(DecodeImage, RefusesAJpegThatLacksPixelsThoughItIsClosed) {
+  cv::Mat3b noise(48, 64);
+  cv::randu(noise, 0, 255);
+  for (const int progressive : {0, 1}) {
+    const Bytes whole = Encode(".jpg", noise, {cv::IMWRITE_JPEG_PROGRESSIVE, progressive});
+    EXPECT_EQ(ErrorOf(CaptureOf(whole)), "");
+    for (const double share : {0.5, 0.8, 0.95})
+      EXPECT_THAT(ErrorOf(CaptureOf(CutAndClose(whole, share))), HasSubstr("damaged")) << share;
+  }
+}
+
+TEST(DecodeImage, TakesBytesBetweenTheSegmentsOfAJpegForPadding) {
+  const Bytes whole = Encode(".jpg", Pattern(64, 48));
+  Bytes padded = whole;
+  padded.insert(padded.end() - 2, 6, 0x00);
+  const Result<cv::Mat3b> picture = DecodePicture(padded, {});
+  ASSERT_TRUE(picture.ok()) << picture.error().message;
+  EXPECT_EQ(cv::norm(picture.value(), DecodePicture(whole, {}).value(), cv::NORM_INF), 0.0);
+}
+
+TEST(DecodeImage, TurnsInksToBgr) {
+  cv::Mat4b inks(48, 64, cv::Vec4b(255, 255, 255, 200));
+  inks(cv::Rect(0, 0, 32, 48)) = cv::Vec4b(160, 90, 40, 255);
+  for (const J_COLOR_SPACE stored : {JCS_CMYK, JCS_YCCK}) {
+    const Result<cv::Mat3b> picture = DecodePicture(EncodeInks(inks, stored), {});
+    ASSERT_TRUE(picture.ok()) << picture.error().message;
+    EXPECT_LE(cv::norm(picture.value()(24, 10) - cv::Vec3b(40, 90, 160), cv::NORM_INF), 4.0);
+    EXPECT_LE(cv::norm(picture.value()(24, 54) - cv::Vec3b(200, 200, 200), cv::NORM_INF), 4.0);
+  }
+}
+
+TEST(DecodeImage, ShowsWhiteWhereAPngIsTransparent) {
+  cv::Mat4b picture(48, 64, cv::Vec4b(0, 0, 0, 0));
+  picture(cv::Rect(0, 0, 32, 48)) = cv::Vec4b(40, 90, 160, 255);
+  picture(24, 60) = cv::Vec4b(0, 0, 0, 128);
+  cv::Mat deep;
+  picture.convertTo(deep, CV_16UC4, 257.0);
+  for (const cv::Mat& stored : {cv::Mat(picture), deep}) {
+    const Result<cv::Mat3b> decoded = DecodePicture(Encode(".png", stored), {});
+    ASSERT_TRUE(decoded.ok()) << decoded.error().message;
+    EXPECT_EQ(decoded.value()(24, 10), cv::Vec3b(40, 90, 160));
+    EXPECT_EQ(decoded.value()(24, 50), cv::Vec3b(255, 255, 255));
+    EXPECT_EQ(decoded.value()(24, 60), cv::Vec3b(127, 127, 127));
+  }
+}
+
 TEST(DecodeImage, SurvivesEveryFlippedByte) {
   for (const char* extension : {".jpg", ".png"}) {
     const Bytes whole = Encode(extension, Pattern(64, 48));
@@ -109,6 +205,17 @@ TEST(DecodeImage, RefusesAGiganticClaimUnread) {
   ASSERT_FALSE(image.ok());
   EXPECT_EQ(image.error().code, Error::Code::kTooLarge);
   EXPECT_THAT(image.error().message, HasSubstr("60000 x 60000"));
+}
+
+TEST(DecodeImage, RefusesAGiganticJpegUnread) {
+  Bytes jpeg = Encode(".jpg", Pattern(64, 48));
+  const std::size_t at = FindFrameSize(jpeg);
+  ASSERT_LT(at + 4, jpeg.size());
+  std::fill_n(jpeg.begin() + static_cast<std::ptrdiff_t>(at), 4, std::uint8_t{0x75});  // 30,069 x 30,069
+  const Result<cv::Mat3b> picture = DecodePicture(jpeg, {});
+  ASSERT_FALSE(picture.ok());
+  EXPECT_EQ(picture.error().code, Error::Code::kTooLarge);
+  EXPECT_THAT(picture.error().message, HasSubstr("30069 x 30069"));
 }
 
 TEST(DecodeImage, RefusesTooManyBytesAndScans) {
