@@ -18,6 +18,8 @@ constexpr double kMiddlingHeightRatio = 0.3;  ///< Of the lowest camera's height
 constexpr double kMaxHeight_m = 120.0;
 constexpr double kHighestRatio = 0.9;  ///< Of the lowest camera's height: no building reaches nearer to it.
 constexpr double kLeastExplainedRatio = 0.75;
+constexpr double kLeastCourtyardRatio =
+    0.02;                                ///< Of a roof: smaller holes are chimneys, skylights and masts.
 constexpr double kLeastSureRatio = 0.5;  ///< Of the height: with a larger standard deviation it is not known.
 
 double CameraHeight(const Silhouette& s) { return s.view.map_from_camera.translation_m.z(); }
@@ -347,6 +349,13 @@ void Insert(Footprint seen, std::vector<Footprint>& map, std::uint32_t& next_id)
   map.push_back(std::move(seen));
 }
 
+Outline WithoutRoofFurniture(Outline outline) {
+  const double roof = Area(Polygon{outline.polygon_px.outer, {}});
+  std::erase_if(outline.polygon_px.holes,
+                [&](const Ring& hole) { return std::abs(SignedArea(hole)) < kLeastCourtyardRatio * roof; });
+  return outline;
+}
+
 }  // namespace
 
 std::vector<Footprint> TraceFootprints(const Image& image, const std::vector<Outline>& outlines,
@@ -359,7 +368,7 @@ std::vector<Footprint> TraceFootprints(const Image& image, const std::vector<Out
   for (const Outline& outline : outlines) {
     Footprint footprint;
     footprint.color = outline.color;
-    footprint.silhouettes = {{image.capture_id, image.view, outline}};
+    footprint.silhouettes = {{image.capture_id, image.view, WithoutRoofFurniture(outline)}};
     if (!Understand(footprint, options.max_height_m)) continue;
     if (Area(footprint.polygon_in_map_m) < options.min_area_m2) continue;
     footprints.push_back(std::move(footprint));

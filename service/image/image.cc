@@ -187,4 +187,27 @@ Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options) {
   return image;
 }
 
+Image ShrinkImage(Image image, double max_megapixels) {
+  SOFFIT_EXPECT(max_megapixels > 0.0);
+  const cv::Size full = image.bgr.size();
+  const double scale = std::sqrt(max_megapixels * 1e6 / static_cast<double>(full.area()));
+  if (scale >= 1.0) return image;
+  const cv::Size size(std::max(1, static_cast<int>(full.width * scale)),
+                      std::max(1, static_cast<int>(full.height * scale)));
+  cv::Mat3b bgr;
+  cv::resize(image.bgr, bgr, size, 0.0, 0.0, cv::INTER_AREA);
+  image.bgr = bgr;
+  image.seen = cv::Rect(cv::Point(), size);
+  Intrinsics& k = image.view.intrinsics;
+  const double sx = static_cast<double>(size.width) / full.width;
+  const double sy = static_cast<double>(size.height) / full.height;
+  k.width_px = size.width;
+  k.height_px = size.height;
+  k.fx_px *= sx;
+  k.fy_px *= sy;
+  k.cx_px = sx * (k.cx_px + 0.5) - 0.5;  // Pixel centres are at integer coordinates.
+  k.cy_px = sy * (k.cy_px + 0.5) - 0.5;
+  return image;
+}
+
 }  // namespace soffit

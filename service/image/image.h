@@ -23,6 +23,7 @@ struct Image {
 
 struct ImageOptions {
   double max_megapixels = 50.0;
+  double kept_megapixels = 2.0;
   int max_bytes = 64 << 20;
   int max_scans = 100;
 
@@ -30,6 +31,10 @@ struct ImageOptions {
   static void Visit(Self& self, Visitor&& field) {
     field("max_megapixels", self.max_megapixels,
           OptionInfo{0.01, 200.0, "MP", "Larger pictures are refused unread"});
+    field(
+        "kept_megapixels", self.kept_megapixels,
+        OptionInfo{0.1, 200.0, "MP",
+                   "Pictures are kept and compared at no more; outlines from above are traced at full size"});
     field("max_bytes", self.max_bytes, OptionInfo{1024, 1 << 30, "B", "Longer files are refused unread"});
     field("max_scans", self.max_scans,
           OptionInfo{1, 1000, "", "Progressive JPEGs with more scans are refused"});
@@ -45,5 +50,9 @@ Result<cv::Mat3b> DecodePicture(const std::vector<std::uint8_t>& bytes, const Im
 /// pose finite. The undistorted camera is zoomed so that the lens saw all of its pixels; none is made up.
 /// Errors name the picture and what is wrong with it. Pure; O(pixels).
 Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options);
+
+/// The same picture at `max_megapixels` at most, averaged, with a camera to match; as it is when it has no
+/// more.
+Image ShrinkImage(Image image, double max_megapixels);
 
 }  // namespace soffit

@@ -11,6 +11,11 @@ namespace {
 
 bool IsFromAbove(Purpose purpose) { return purpose == Purpose::kOverview || purpose == Purpose::kTop; }
 
+std::vector<Footprint> MapFootprints(const Image& image, const PipelineOptions& options) {
+  const Mask mask = SegmentBuildings(image, options.mask);
+  return TraceFootprints(image, TraceOutlines(mask, image.seen, options.outline), options.footprint);
+}
+
 struct HorizontalViews {
   std::vector<Image> images;
   std::vector<Mask> masks;
@@ -139,12 +144,10 @@ Result<Observation> Observe(const Capture& capture, const PipelineOptions& optio
   Result<Image> image = DecodeImage(capture, options.image);
   if (!image.ok()) return image.error();
   Observation seen;
-  seen.image = std::move(image).value();
+  if (IsFromAbove(capture.purpose)) seen.footprints = MapFootprints(image.value(), options);
+  seen.image = ShrinkImage(std::move(image).value(), options.image.kept_megapixels);
   seen.mask = SegmentBuildings(seen.image, options.mask);
   seen.outlines = TraceOutlines(seen.mask, seen.image.seen, options.outline);
-  if (IsFromAbove(capture.purpose)) {
-    seen.footprints = TraceFootprints(seen.image, seen.outlines, options.footprint);
-  }
   seen.sight = LabelSight(seen.image, seen.mask, options.facade);
   return seen;
 } catch (const std::exception& failure) {

@@ -46,7 +46,8 @@ struct PipelineOptions {
   }
 };
 
-/// What one picture shows by itself. Pictures are independent of each other, so this runs on any thread.
+/// What one picture shows by itself. Pictures are independent of each other, so this runs on any thread. All
+/// but the footprints is of the picture as it is kept: see ImageOptions::kept_megapixels.
 struct Observation {
   Image image;
   Mask mask;

@@ -13,7 +13,7 @@ namespace soffit {
 /// (more where the pose is uncertain) are not told from marks, joints and edges of shadows, nor is what
 /// touches a building told from it. None in pictures that do not look down.
 ///
-/// @param sight  With ground as CheckGround() leaves it.
+/// @param sight  With ground as GroundCheck leaves it.
 std::vector<Obstacle> FindClutter(const Sight& sight, const Prediction& prediction);
 
 constexpr double kThinnest_m = 0.08;

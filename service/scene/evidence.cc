@@ -69,7 +69,7 @@ Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::M
                    const Eigen::AlignedBox2d& region)
     : capture_id_(sight.capture_id),
       view_(sight.view),
-      camera_from_map_(sight.view.map_from_camera.Inverse()) {
+      turn_(sight.view.map_from_camera.rotation.toRotationMatrix().transpose()) {
   SOFFIT_EXPECT(sight.seen.size() == prediction.label.size() && confirmed.size() == prediction.label.size());
   is_doubtful_ = cv::Mat1b(sight.seen.size(), uchar{0});
   Compare(sight, prediction);
@@ -100,7 +100,6 @@ void Evidence::Compare(const Sight& sight, const Prediction& prediction) {
   agrees = Either(agrees, Both(seen_ground, Either(Grow(ground, kEdge_px), horizon)));
   agrees = Either(agrees, Both(seen_sky, Either(Grow(sky, kEdge_px), horizon)));
   agrees = Either(agrees, Both(Only(sight.seen, Seen::kUnexplained), edge));  // Mixed pixels.
-  near_edge_ = Border(structure, MisfitReach(sight.view, prediction));
   cv::threshold(agrees, fails_, 0.0, 1.0, cv::THRESH_BINARY_INV);
   reach_m_ = prediction.depth_m.clone();
 }
@@ -110,7 +109,7 @@ void Evidence::Compare(const Sight& sight, const Prediction& prediction) {
 void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
   cv::Mat stats, centers;
   cv::Mat1b is_strange = fails_.clone();
-  is_strange.setTo(0, near_edge_);
+  is_strange.setTo(0, Border(Only(prediction.label, Seen::kStructure), MisfitReach(sight.view, prediction)));
   is_strange.setTo(
       0, Either(Only(sight.seen, Seen::kGround), Only(sight.seen, Seen::kSky)));  // The model's fault.
   const int count = cv::connectedComponentsWithStats(is_strange, component_, stats, centers, 8, CV_32S);
@@ -145,7 +144,7 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
     const auto foot =
         MeetHorizontalPlane(view_, {static_cast<double>(trace.foot_x), trace.foot_y + 0.5}, 0.0);
     if (trace.foot_y < 0 || !is_whole || !foot) continue;
-    const double depth_m = (camera_from_map_ * Point<Map>{{foot->x(), foot->y(), 0.0}}).xyz_m.z();
+    const double depth_m = InCamera({foot->x(), foot->y(), 0.0}).z();
     const double width_m = stats.at<int>(i, cv::CC_STAT_WIDTH) * depth_m / view_.intrinsics.fx_px;
     thing.near_m = static_cast<float>((1.0 - kFootShare) * depth_m);
     thing.far_m = static_cast<float>((1.0 + kFootShare) * depth_m + width_m);
@@ -167,7 +166,7 @@ void Evidence::NoteUnconfirmedGround(const Prediction& prediction, const cv::Mat
 }
 
 bool Evidence::ShowsThingAt(const Eigen::Vector3d& point_in_map_m) const {
-  const Eigen::Vector3d p = (camera_from_map_ * Point<Map>{point_in_map_m}).xyz_m;
+  const Eigen::Vector3d p = InCamera(point_in_map_m);
   if (!(p.z() > 0.0)) return false;
   const Intrinsics& k = view_.intrinsics;
   const int x = static_cast<int>(std::lround(k.fx_px * p.x() / p.z() + k.cx_px));
@@ -177,9 +176,10 @@ bool Evidence::ShowsThingAt(const Eigen::Vector3d& point_in_map_m) const {
   return thing.far_m > 0.0F && p.z() >= thing.near_m && p.z() <= thing.far_m;
 }
 
-Evidence::Sees Evidence::SeeThrough(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
-  const Eigen::Vector3d p = (camera_from_map_ * Point<Map>{center_in_map_m}).xyz_m;
-  if (p.z() <= 2.0 * radius_m) return Sees::kNothing;
+std::optional<Evidence::Window> Evidence::About(const Eigen::Vector3d& center_in_map_m,
+                                                double radius_m) const {
+  const Eigen::Vector3d p = InCamera(center_in_map_m);
+  if (p.z() <= 2.0 * radius_m) return std::nullopt;
   const Intrinsics& k = view_.intrinsics;
   const double x = k.fx_px * p.x() / p.z() + k.cx_px;
   const double y = k.fy_px * p.y() / p.z() + k.cy_px;
@@ -187,22 +187,38 @@ Evidence::Sees Evidence::SeeThrough(const Eigen::Vector3d& center_in_map_m, doub
   const double half_y = k.fy_px * radius_m / (p.z() - radius_m);
   if (!(x - half_x >= 0.0 && y - half_y >= 0.0 && x + half_x <= fails_.cols - 1 &&
         y + half_y <= fails_.rows - 1)) {
-    return Sees::kNothing;
+    return std::nullopt;
   }
-  const int x0 = static_cast<int>(std::floor(x - half_x)), x1 = static_cast<int>(std::ceil(x + half_x));
-  const int y0 = static_cast<int>(std::floor(y - half_y)), y1 = static_cast<int>(std::ceil(y + half_y));
+  return Window{static_cast<int>(std::floor(x - half_x)), static_cast<int>(std::ceil(x + half_x)),
+                static_cast<int>(std::floor(y - half_y)), static_cast<int>(std::ceil(y + half_y)),
+                static_cast<float>(p.z() - 0.5 * radius_m)};
+}
+
+Evidence::Sees Evidence::SeeThrough(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
+  const std::optional<Window> w = About(center_in_map_m, radius_m);
+  if (!w) return Sees::kNothing;
   const auto count = [&](const cv::Mat1i& sum) {
-    return sum(y1 + 1, x1 + 1) - sum(y0, x1 + 1) - sum(y1 + 1, x0) + sum(y0, x0);
+    return sum(w->y1 + 1, w->x1 + 1) - sum(w->y0, w->x1 + 1) - sum(w->y1 + 1, w->x0) + sum(w->y0, w->x0);
   };
   if (count(fail_sum_) > 0) return Sees::kNothing;
-  const float beyond = static_cast<float>(p.z() - 0.5 * radius_m);
-  for (const int row : {y0, (y0 + y1) / 2, y1}) {
-    for (const int column : {x0, (x0 + x1) / 2, x1}) {
-      if (reach_m_(row, column) < beyond) return Sees::kNothing;
+  for (const int row : {w->y0, (w->y0 + w->y1) / 2, w->y1}) {
+    for (const int column : {w->x0, (w->x0 + w->x1) / 2, w->x1}) {
+      if (reach_m_(row, column) < w->beyond_m) return Sees::kNothing;
     }
   }
   if (count(doubt_sum_) > 0) return Sees::kPerhaps;
   return count(ground_sum_) > 0 ? Sees::kLikely : Sees::kSure;
+}
+
+bool Evidence::SeesPartly(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
+  const std::optional<Window> w = About(center_in_map_m, radius_m);
+  if (!w) return false;
+  for (const int row : {w->y0, (w->y0 + w->y1) / 2, w->y1}) {
+    for (const int column : {w->x0, (w->x0 + w->x1) / 2, w->x1}) {
+      if (fails_(row, column) == 0 && reach_m_(row, column) >= w->beyond_m) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace soffit

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "service/facade/facade.h"
@@ -19,7 +20,7 @@ namespace soffit {
 /// same.
 class Evidence {
  public:
-  /// @param confirmed  1 where another picture shows the same ground, as of CheckGround(); size of the
+  /// @param confirmed  1 where another picture shows the same ground, as of GroundCheck; size of the
   /// picture.
   Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& confirmed,
            const Eigen::AlignedBox2d& region);
@@ -29,6 +30,9 @@ class Evidence {
   /// kPerhaps: on ground that no other picture confirms.
   enum class Sees { kNothing, kPerhaps, kLikely, kSure };
   Sees SeeThrough(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
+
+  /// False when no ray through the ball goes on free beyond it; some are tried.
+  bool SeesPartly(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
 
   /// Whether something that the model does not have, and that is near, may stand at this point: it covers a
   /// part of the model that lies behind, or meets the ground here. What only shows before sky or far ground
@@ -46,6 +50,19 @@ class Evidence {
     float far_m = 0.0F;  ///< 0: it may be anywhere.
   };
 
+  /// The pixels about a ball, up to and including the last ones, and the depth beyond which its rays have to
+  /// be free.
+  struct Window {
+    int x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+    float beyond_m = 0.0F;
+  };
+  Eigen::Vector3d InCamera(const Eigen::Vector3d& point_in_map_m) const {
+    return turn_ * (point_in_map_m - camera_in_map_m());
+  }
+
+  /// None when the ball is not wholly in the picture.
+  std::optional<Window> About(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
+
   void Compare(const Sight& sight, const Prediction& prediction);
   void NoteUnconfirmedGround(const Prediction& prediction, const cv::Mat1b& confirmed,
                              const Eigen::AlignedBox2d& region);
@@ -53,10 +70,8 @@ class Evidence {
 
   std::uint32_t capture_id_ = 0;
   View view_;
-  Pose<Camera, Map> camera_from_map_;
+  Eigen::Matrix3d turn_;   ///< Turns vectors of the map into camera coordinates.
   cv::Mat1b fails_;        ///< 1: the pixel proves nothing.
-  cv::Mat1b near_edge_;    ///< Where a predicted edge is so close that a misfit of the model explains a
-                           ///< contradiction.
   cv::Mat1b is_doubtful_;  ///< 1: what it proves is kPerhaps.
   cv::Mat1f reach_m_;      ///< Free depth, the least within the edge tolerance.
   cv::Mat1i fail_sum_;     ///< Integral picture of `fails_`.

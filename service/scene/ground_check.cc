@@ -24,8 +24,10 @@ constexpr double kOtherDirection =
 constexpr double kSameAzimuth = 0.966;  // Cosine (15 degrees): they see an upright thing alike,
 constexpr double kSteep = 0.82;         // unless one looks down steeply (sine).
 
-/// A picture as it is compared: the logarithm of its colours, at a size that all have about.
-struct Small {
+}  // namespace
+
+/// The logarithm of its colours, at a size that all have about.
+struct GroundPicture {
   double scale = 1.0;  ///< Small pixels per pixel.
   cv::Mat3b logs;
   cv::Mat1b ground;                   ///< 255 where ground is predicted and no building is seen.
@@ -37,6 +39,8 @@ struct Small {
   double orientation_std_rad = 0.0;
 };
 
+namespace {
+
 cv::Mat3b Logarithm(const cv::Mat3b& bgr) {
   cv::Mat1b table(1, 256);
   for (int value = 0; value < 256; ++value) {
@@ -47,8 +51,8 @@ cv::Mat3b Logarithm(const cv::Mat3b& bgr) {
   return logs;
 }
 
-Small Shrink(const Sight& sight, const Prediction& prediction) {
-  Small small;
+GroundPicture Shrink(const Sight& sight, const Prediction& prediction) {
+  GroundPicture small;
   const cv::Size full = sight.bgr.size();
   small.scale = std::min(1.0, static_cast<double>(kMaxWidth_px) / full.width);
   const cv::Size size(std::max(1, static_cast<int>(std::lround(full.width * small.scale))),
@@ -92,7 +96,7 @@ struct Overlay {
 };
 
 /// By how many pixels of `base` the place of a point of the ground is uncertain between the two pictures.
-double Misfit_px(const Small& other, const Small& base, const Eigen::Vector3d& from,
+double Misfit_px(const GroundPicture& other, const GroundPicture& base, const Eigen::Vector3d& from,
                  const Eigen::Vector3d& to) {
   const double base_m = from.norm();
   const double other_m = to.norm();
@@ -105,7 +109,7 @@ double Misfit_px(const Small& other, const Small& base, const Eigen::Vector3d& f
   return base.focal_px * (base.orientation_std_rad + (base.position_std_m + seen_m) / base_m);
 }
 
-Overlay Lay(const Small& other, const Small& base) {
+Overlay Lay(const GroundPicture& other, const GroundPicture& base) {
   Overlay overlay;
   const cv::Size size = base.logs.size();
   cv::Mat2f source(size, cv::Vec2f(-1e4F, -1e4F));
@@ -230,7 +234,7 @@ struct Votes {
   cv::Mat1b differ;
 };
 
-void Compare(const Small& base, const Small& other, Votes& votes) {
+void Compare(const GroundPicture& base, const GroundPicture& other, Votes& votes) {
   const Overlay overlay = Lay(other, base);
   cv::Mat3b logs = base.logs;
   if (overlay.blur_px > 1) cv::blur(base.logs, logs, cv::Size(overlay.blur_px, overlay.blur_px));
@@ -251,7 +255,7 @@ void Compare(const Small& base, const Small& other, Votes& votes) {
 }
 
 /// Relabels the picture by the votes; 1 in the answer where another picture agrees.
-cv::Mat1b Settle(const Votes& votes, double scale, const Prediction& prediction, Sight& sight) {
+cv::Mat1b Relabel(const Votes& votes, double scale, const Prediction& prediction, Sight& sight) {
   constexpr int kEnough = 2;
   cv::Mat1b confirmed(sight.seen.size(), uchar{0});
   for (int y = 0; y < sight.seen.rows; ++y) {
@@ -276,19 +280,21 @@ cv::Mat1b Settle(const Votes& votes, double scale, const Prediction& prediction,
 
 }  // namespace
 
-std::vector<cv::Mat1b> CheckGround(const std::vector<Prediction>& predictions, std::vector<Sight>& sights) {
-  SOFFIT_EXPECT(predictions.size() == sights.size());
-  std::vector<Small> small;
-  for (std::size_t i = 0; i < sights.size(); ++i) small.push_back(Shrink(sights[i], predictions[i]));
-  std::vector<cv::Mat1b> confirmed;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
-    Votes votes{cv::Mat1b(small[i].ground.size(), uchar{0}), cv::Mat1b(small[i].ground.size(), uchar{0})};
-    for (std::size_t j = 0; j < sights.size(); ++j) {
-      if (i != j) Compare(small[i], small[j], votes);
-    }
-    confirmed.push_back(Settle(votes, small[i].scale, predictions[i], sights[i]));
+GroundCheck::GroundCheck() = default;
+GroundCheck::~GroundCheck() = default;
+
+void GroundCheck::Add(const Sight& sight, const Prediction& prediction) {
+  pictures_.push_back(Shrink(sight, prediction));
+}
+
+cv::Mat1b GroundCheck::Settle(std::size_t number, const Prediction& prediction, Sight& sight) const {
+  SOFFIT_EXPECT(number < pictures_.size());
+  const GroundPicture& picture = pictures_[number];
+  Votes votes{cv::Mat1b(picture.ground.size(), uchar{0}), cv::Mat1b(picture.ground.size(), uchar{0})};
+  for (std::size_t other = 0; other < pictures_.size(); ++other) {
+    if (other != number) Compare(picture, pictures_[other], votes);
   }
-  return confirmed;
+  return Relabel(votes, picture.scale, prediction, sight);
 }
 
 }  // namespace soffit

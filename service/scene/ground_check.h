@@ -8,18 +8,31 @@
 
 namespace soffit {
 
+struct GroundPicture;  ///< What is kept of a picture for comparison.
+
 /// Compares what the pictures show of the ground by laying each over every other along the ground plane (the
 /// plane sweep of R. Collins, 1996, for one plane). What lies on the ground looks alike in all of them,
 /// shadows and marks included; what stands on it or hangs above it does not. Exposures are matched by the
 /// median over all that two pictures share.
-///
-/// A pixel that is coloured like ground becomes kUnexplained when more pictures show something else at its
-/// place of the ground than agree with it from another direction. An unexplained pixel becomes kGround when
-/// at least two pictures from other directions agree with it and none shows something else. What no other
-/// picture shows stays as it is.
-///
-/// @param predictions  Of the same sights, in the same order.
-/// @return For each sight, 1 where a picture from another direction agrees with it.
-std::vector<cv::Mat1b> CheckGround(const std::vector<Prediction>& predictions, std::vector<Sight>& sights);
+class GroundCheck {
+ public:
+  GroundCheck();
+  ~GroundCheck();
+
+  /// All pictures are added before any is settled. Of each only a small copy is kept.
+  void Add(const Sight& sight, const Prediction& prediction);
+
+  /// A pixel that is coloured like ground becomes kUnexplained when more pictures show something else at its
+  /// place of the ground than agree with it from another direction. An unexplained pixel becomes kGround when
+  /// at least two pictures from other directions agree with it and none shows something else. What no other
+  /// picture shows stays as it is.
+  ///
+  /// @param number  Of the picture, from 0 in the order of Add(); sight and prediction are the same again.
+  /// @return 1 where a picture from another direction agrees with it.
+  cv::Mat1b Settle(std::size_t number, const Prediction& prediction, Sight& sight) const;
+
+ private:
+  std::vector<GroundPicture> pictures_;
+};
 
 }  // namespace soffit

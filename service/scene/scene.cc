@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "service/scene/carving.h"
 #include "service/scene/clutter.h"
 #include "service/scene/evidence.h"
 #include "service/scene/ground_check.h"
@@ -13,21 +14,7 @@
 namespace soffit {
 namespace {
 
-constexpr double kOtherDirection = 0.985;      // Cosine (10 degrees).
-constexpr double kVeryOtherDirection = 0.766;  // Cosine (40 degrees).
-constexpr std::size_t kMinThing = 8;           // Voxels: smaller groups are noise.
-constexpr int kFinerLevels = 2;  // A voxel that is partly unknown is looked at in 8 parts, twice.
-
-/// The space that is mapped: whole voxels, aligned as OctoMap aligns them.
-struct Grid {
-  double voxel_m = 0.0;
-  std::array<int, 3> first{};
-  std::array<int, 3> count{};
-
-  Eigen::Vector3d Center(int x, int y, int z) const {
-    return {(first[0] + x + 0.5) * voxel_m, (first[1] + y + 0.5) * voxel_m, (first[2] + z + 0.5) * voxel_m};
-  }
-};
+constexpr std::size_t kMinThing = 8;  // Voxels: smaller groups are noise.
 
 struct Box {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
@@ -124,40 +111,6 @@ bool Touches(const Box& box, const Grid& grid, int x, int y) {
          center.y() >= box.low.y() - grid.voxel_m && center.y() <= box.high.y() + grid.voxel_m;
 }
 
-/// What is known of each voxel of the grid.
-enum class Voxel : std::uint8_t { kUnknown, kFree, kSolid, kThing };
-using Index = std::array<int, 3>;
-
-struct Voxels {
-  Grid grid;
-  std::vector<Voxel> states;
-
-  explicit Voxels(const Grid& laid)
-      : grid(laid),
-        states(Size(laid.count[0]) * Size(laid.count[1]) * Size(laid.count[2]), Voxel::kUnknown) {}
-
-  bool Has(const Index& at) const {
-    return at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] < grid.count[0] && at[1] < grid.count[1] &&
-           at[2] < grid.count[2];
-  }
-  Voxel& At(const Index& at) {
-    return states[(Size(at[0]) * Size(grid.count[1]) + Size(at[1])) * Size(grid.count[2]) + Size(at[2])];
-  }
-
- private:
-  static std::size_t Size(int count) { return static_cast<std::size_t>(count); }
-};
-
-/// Calls `visit` for each voxel of the grid.
-template <class Visit>
-void ForEach(const Grid& grid, Visit&& visit) {
-  for (int x = 0; x < grid.count[0]; ++x) {
-    for (int y = 0; y < grid.count[1]; ++y) {
-      for (int z = 0; z < grid.count[2]; ++z) visit(Index{x, y, z});
-    }
-  }
-}
-
 void FillSolids(const Scene& scene, Voxels& voxels) {
   const Grid& grid = voxels.grid;
   for (const Solid& solid : scene.solids) {
@@ -175,75 +128,9 @@ void FillSolids(const Scene& scene, Voxels& voxels) {
   }
 }
 
-/// Cosine of the widest angle between the directions from which pictures see a place; 1 for less than two.
-class Directions {
- public:
-  explicit Directions(const Eigen::Vector3d& place) : place_(place) {}
-
-  void Add(const Evidence& picture) {
-    const Eigen::Vector3d direction = (picture.camera_in_map_m() - place_).normalized();
-    for (const Eigen::Vector3d& other : all_) least_cosine_ = std::min(least_cosine_, direction.dot(other));
-    all_.push_back(direction);
-  }
-  double least_cosine() const { return least_cosine_; }
-  bool empty() const { return all_.empty(); }
-
- private:
-  Eigen::Vector3d place_;
-  std::vector<Eigen::Vector3d> all_;
-  double least_cosine_ = 1.0;
-};
-
-/// What is surely free is free. A thing that two pictures show from different directions outweighs what is
-/// likely free; what is perhaps free takes two pictures from very different directions, and none that shows a
-/// thing.
-Voxel Judge(const std::vector<Evidence>& pictures, const Eigen::Vector3d& center, double radius_m) {
-  Directions perhaps(center);
-  Directions thing(center);
-  bool is_likely_free = false;
-  for (const Evidence& picture : pictures) {
-    const Evidence::Sees sees = picture.SeeThrough(center, radius_m);
-    if (sees == Evidence::Sees::kSure) return Voxel::kFree;
-    is_likely_free = is_likely_free || sees == Evidence::Sees::kLikely;
-    if (sees == Evidence::Sees::kPerhaps) perhaps.Add(picture);
-    if (sees == Evidence::Sees::kNothing && picture.ShowsThingAt(center)) thing.Add(picture);
-  }
-  if (thing.least_cosine() < kOtherDirection) return Voxel::kThing;
-  const bool is_free = is_likely_free || (thing.empty() && perhaps.least_cosine() < kVeryOtherDirection);
-  return is_free ? Voxel::kFree : Voxel::kUnknown;
-}
-
-/// A cube is free when the ball about it is, or all of its eight parts are.
-Voxel JudgeCube(const std::vector<Evidence>& pictures, const Eigen::Vector3d& center, double edge_m,
-                int finer_levels) {
-  const Voxel whole = Judge(pictures, center, 0.5 * std::sqrt(3.0) * edge_m);
-  if (whole != Voxel::kUnknown || finer_levels == 0) return whole;
-  if (Judge(pictures, center, 0.0) != Voxel::kFree) return Voxel::kUnknown;
-  for (int part = 0; part < 8; ++part) {
-    const Eigen::Vector3d offset(part % 2 - 0.5, part / 2 % 2 - 0.5, part / 4 - 0.5);
-    const Voxel state = JudgeCube(pictures, center + 0.5 * edge_m * offset, 0.5 * edge_m, finer_levels - 1);
-    if (state != Voxel::kFree) return Voxel::kUnknown;
-  }
-  return Voxel::kFree;
-}
-
-Voxels MapSpace(const Scene& scene, const std::vector<Evidence>& pictures, const SceneOptions& options) {
-  Voxels voxels(LayGrid(BoundWanted(scene, options.margin_m), options));
-  FillSolids(scene, voxels);
-  const Grid& grid = voxels.grid;
-  ForEach(grid, [&](const Index& at) {
-    Voxel& state = voxels.At(at);
-    if (state != Voxel::kSolid)
-      state = JudgeCube(pictures, grid.Center(at[0], at[1], at[2]), grid.voxel_m, kFinerLevels);
-  });
-  return voxels;
-}
-
 /// All voxels of the same state that hang together with this one, by faces, edges or corners.
 std::vector<Index> Flood(const Index& start, Voxels& voxels, std::vector<bool>& is_taken) {
-  const auto number = [&](const Index& at) {
-    return static_cast<std::size_t>(&voxels.At(at) - voxels.states.data());
-  };
+  const auto number = [&](const Index& at) { return voxels.grid.Number(at[0], at[1], at[2]); };
   const Voxel state = voxels.At(start);
   std::vector<Index> group = {start};
   is_taken[number(start)] = true;
@@ -259,7 +146,7 @@ std::vector<Index> Flood(const Index& start, Voxels& voxels, std::vector<bool>& 
 }
 
 /// The upright cylinder about a group of voxels.
-Obstacle Enclose(const std::vector<Index>& group, const Grid& grid, const std::vector<Evidence>& pictures) {
+Obstacle Enclose(const std::vector<Index>& group, const Grid& grid) {
   Box box;
   for (const Index& at : group) {
     const Eigen::Vector3d center = grid.Center(at[0], at[1], at[2]);
@@ -275,24 +162,19 @@ Obstacle Enclose(const std::vector<Index>& group, const Grid& grid, const std::v
     const double distance = (grid.Center(at[0], at[1], at[2]) - middle).head<2>().norm();
     obstacle.radius_m = std::max(obstacle.radius_m, distance + 0.7 * grid.voxel_m);
   }
-  const Index& some = group[group.size() / 2];
-  for (const Evidence& picture : pictures) {
-    if (picture.ShowsThingAt(grid.Center(some[0], some[1], some[2])))
-      obstacle.captures.push_back(picture.capture_id());
-  }
   return obstacle;
 }
 
 /// Groups that are too small are withdrawn.
-std::vector<Obstacle> GatherObstacles(const std::vector<Evidence>& pictures, Voxels& voxels) {
+std::vector<Obstacle> GatherObstacles(const Carving& carving, Voxels& voxels) {
   std::vector<Obstacle> obstacles;
   std::vector<bool> is_taken(voxels.states.size(), false);
   ForEach(voxels.grid, [&](const Index& at) {
-    const std::size_t number = static_cast<std::size_t>(&voxels.At(at) - voxels.states.data());
-    if (voxels.At(at) != Voxel::kThing || is_taken[number]) return;
+    if (voxels.At(at) != Voxel::kThing || is_taken[voxels.grid.Number(at[0], at[1], at[2])]) return;
     const std::vector<Index> group = Flood(at, voxels, is_taken);
     if (group.size() >= kMinThing) {
-      obstacles.push_back(Enclose(group, voxels.grid, pictures));
+      obstacles.push_back(Enclose(group, voxels.grid));
+      obstacles.back().captures = carving.CapturesOfThingAt(group[group.size() / 2]);
     } else {
       for (const Index& small : group) voxels.At(small) = Voxel::kUnknown;
     }
@@ -315,6 +197,45 @@ std::shared_ptr<const octomap::OcTree> PlantTree(Voxels& voxels) {
   return tree;
 }
 
+/// The models, and what else may hide them: a plain block for a building that was only seen from above.
+std::vector<Mesh> RaiseBlocks(const Scene& scene) {
+  std::vector<Mesh> blocks;
+  for (const SceneObject& object : scene.objects) {
+    const bool is_modelled = std::any_of(scene.solids.begin(), scene.solids.end(), [&](const Solid& solid) {
+      return solid.footprint.object_id == object.footprint.object_id;
+    });
+    if (is_modelled || !(object.footprint.height_m > 0.0)) continue;
+    blocks.push_back(RaiseBlock(object.footprint.polygon_in_map_m.outer, object.footprint.height_m));
+  }
+  return blocks;
+}
+
+/// Lets every picture with a trusted pose carve the space, and lists what those from above show beside the
+/// buildings. Predictions are large: they are made twice rather than kept.
+Carving CarveSpace(Scene& scene, const Box& mapped, const std::vector<Sight>& sights, Voxels voxels) {
+  const std::vector<Mesh> blocks = RaiseBlocks(scene);
+  std::vector<const Mesh*> meshes;
+  for (const Solid& solid : scene.solids) meshes.push_back(&solid.mesh);
+  for (const Mesh& block : blocks) meshes.push_back(&block);
+  std::vector<Sight> trusted;
+  std::copy_if(sights.begin(), sights.end(), std::back_inserter(trusted),
+               [](const Sight& sight) { return sight.has_trusted_pose; });
+
+  GroundCheck ground;
+  for (const Sight& sight : trusted) ground.Add(sight, Predict(sight.view, meshes));
+  const Eigen::AlignedBox2d region(mapped.low.head<2>(), mapped.high.head<2>());
+  Carving carving(std::move(voxels));
+  for (std::size_t i = 0; i < trusted.size(); ++i) {
+    const Prediction prediction = Predict(trusted[i].view, meshes);
+    Sight sight = trusted[i];
+    sight.seen = sight.seen.clone();
+    const cv::Mat1b confirmed = ground.Settle(i, prediction, sight);
+    carving.Add(Evidence(sight, prediction, confirmed, region));
+    for (Obstacle& thing : FindClutter(sight, prediction)) scene.clutter.push_back(std::move(thing));
+  }
+  return carving;
+}
+
 }  // namespace
 
 Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::vector<Solid> solids,
@@ -324,39 +245,14 @@ Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::
   scene.revision = revision;
   scene.objects = std::move(objects);
   scene.solids = std::move(solids);
-
-  std::vector<Mesh> blocks;
-  std::vector<const Mesh*> meshes;
-  for (const Solid& solid : scene.solids) meshes.push_back(&solid.mesh);
-  for (const SceneObject& object : scene.objects) {
-    const bool is_modelled = std::any_of(scene.solids.begin(), scene.solids.end(), [&](const Solid& solid) {
-      return solid.footprint.object_id == object.footprint.object_id;
-    });
-    if (is_modelled || !(object.footprint.height_m > 0.0)) continue;
-    blocks.push_back(RaiseBlock(object.footprint.polygon_in_map_m.outer, object.footprint.height_m));
+  const std::optional<Box> mapped = BoundWanted(scene, options.margin_m);
+  Voxels voxels(LayGrid(mapped, options));
+  FillSolids(scene, voxels);
+  if (mapped) {
+    const Carving carving = CarveSpace(scene, *mapped, sights, std::move(voxels));
+    voxels = carving.Judge();
+    scene.obstacles = GatherObstacles(carving, voxels);
   }
-  for (const Mesh& block : blocks) meshes.push_back(&block);
-
-  std::vector<Evidence> pictures;
-  if (const std::optional<Box> mapped = BoundWanted(scene, options.margin_m)) {
-    const Eigen::AlignedBox2d region(mapped->low.head<2>(), mapped->high.head<2>());
-    std::vector<Sight> trusted;
-    std::vector<Prediction> predictions;
-    for (const Sight& sight : sights) {
-      if (!sight.has_trusted_pose) continue;
-      trusted.push_back(sight);
-      trusted.back().seen = sight.seen.clone();
-      predictions.push_back(Predict(sight.view, meshes));
-    }
-    const std::vector<cv::Mat1b> confirmed = CheckGround(predictions, trusted);
-    for (std::size_t i = 0; i < trusted.size(); ++i) {
-      pictures.emplace_back(trusted[i], predictions[i], confirmed[i], region);
-      for (Obstacle& thing : FindClutter(trusted[i], predictions[i]))
-        scene.clutter.push_back(std::move(thing));
-    }
-  }
-  Voxels voxels = MapSpace(scene, pictures, options);
-  scene.obstacles = GatherObstacles(pictures, voxels);
   scene.octree = PlantTree(voxels);
   return scene;
 }

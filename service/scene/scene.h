@@ -65,7 +65,7 @@ struct SceneOptions {
 /// Seitz, 2000); occupied too when two pictures from different directions show something there that the model
 /// does not have and that is near: then it belongs to an obstacle. All others are unknown.
 ///
-/// What the pictures show of the ground has to agree between them; see CheckGround(). The extent is that of
+/// What the pictures show of the ground has to agree between them; see GroundCheck. The extent is that of
 /// the matched objects' solids and `margin_m` around them; without any, nothing is mapped. Pure.
 Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::vector<Solid> solids,
                  const std::vector<Sight>& sights, const SceneOptions& options);

@@ -129,6 +129,23 @@ TEST(TraceFootprints, DoesNotKnowTheHeightOfWhatLiesRightBeneath) {
   EXPECT_EQ(footprints[0].height_std_m, 0.0);
 }
 
+TEST(TraceFootprints, TakesAChimneyForNoCourtyard) {
+  const View view = LookDown({0, 0, 9});
+  Mask mask = test::Photograph(view, {{Turned(Box(3.0, 3.0), 0.4), 1.5}});
+  const Eigen::Vector2d chimney = *Project(view, {0.3, 0.2, 1.5});
+  cv::circle(mask.label, {static_cast<int>(chimney.x()), static_cast<int>(chimney.y())}, 14, cv::Scalar(0),
+             -1);
+  Image image;
+  image.view = view;
+  image.seen = cv::Rect({0, 0}, mask.label.size());
+  const auto outlines = TraceOutlines(mask, image.seen, {});
+  ASSERT_THAT(outlines, SizeIs(1));
+  ASSERT_THAT(outlines[0].polygon_px.holes, SizeIs(1));
+  const auto footprints = TraceFootprints(image, outlines, {});
+  ASSERT_THAT(footprints, SizeIs(1));
+  EXPECT_THAT(footprints[0].polygon_in_map_m.holes, IsEmpty());
+}
+
 TEST(TraceFootprints, MarksWhatThePictureCuts) {
   const auto footprints = TraceBlocks(LookDown({0, 0, 9}), 1, {{Box(30, 2), 2.0}});
   ASSERT_THAT(footprints, SizeIs(1));

@@ -293,6 +293,34 @@ TEST(DecodeImage, GivesTheSameForTheSame) {
   EXPECT_EQ(cv::norm(once.value().bgr, again.value().bgr, cv::NORM_INF), 0.0);
 }
 
+TEST(ShrinkImage, ShowsEveryPointAtTheSamePlaceOfTheWorld) {
+  Image image;
+  image.bgr = cv::Mat3b(900, 1200, cv::Vec3b(0, 0, 0));
+  image.seen = cv::Rect(0, 0, 1200, 900);
+  image.view.intrinsics = {1200, 900, 800.0, 800.0, 599.5, 449.5, {}};
+  cv::Mat3b(image.bgr, cv::Rect(300, 600, 60, 60)).setTo(cv::Vec3b(255, 255, 255));
+  const Eigen::Vector3d middle((329.5 - 599.5) / 800.0, (629.5 - 449.5) / 800.0, 1.0);
+  const Image small = ShrinkImage(image, 0.12);
+  EXPECT_LE(small.bgr.total(), 120000u);
+  EXPECT_TRUE(IsValid(small.view.intrinsics));
+  const auto pixel = Project(small.view, middle);
+  ASSERT_TRUE(pixel);
+  cv::Mat1b grey;
+  cv::cvtColor(small.bgr, grey, cv::COLOR_BGR2GRAY);
+  const cv::Moments moments = cv::moments(grey);
+  EXPECT_NEAR(pixel->x(), moments.m10 / moments.m00, 0.01);
+  EXPECT_NEAR(pixel->y(), moments.m01 / moments.m00, 0.01);
+}
+
+TEST(ShrinkImage, LeavesASmallPictureAsItIs) {
+  Image image;
+  image.bgr = cv::Mat3b(30, 40, cv::Vec3b(1, 2, 3));
+  image.view.intrinsics = {40, 30, 30.0, 30.0, 19.5, 14.5, {}};
+  const Image same = ShrinkImage(image, 1.0);
+  EXPECT_EQ(same.bgr.data, image.bgr.data);
+  EXPECT_EQ(same.view.intrinsics.fx_px, 30.0);
+}
+
 TEST(ReadPictureHeader, ReadsSizeAndScans) {
   const auto jpeg = ReadPictureHeader(Encode(".jpg", Pattern(70, 50)));
   ASSERT_TRUE(jpeg.ok());

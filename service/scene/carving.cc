@@ -1,0 +1,145 @@
+#include "service/scene/carving.h"
+
+#include <cmath>
+#include <limits>
+
+#include "shared/result/result.h"
+
+namespace soffit {
+namespace {
+
+constexpr double kOtherDirection = 0.985;      // Cosine (10 degrees).
+constexpr double kVeryOtherDirection = 0.766;  // Cosine (40 degrees).
+constexpr std::uint64_t kAll = ~std::uint64_t{0};
+
+/// Radius of the ball about a cube.
+double Reach(double edge_m) { return 0.5 * std::sqrt(3.0) * edge_m; }
+
+/// From the middle of a cube to that of one of its eight parts, over its edge.
+Eigen::Vector3d ToPart(int part) {
+  return Eigen::Vector3d(part % 2 - 0.5, part / 2 % 2 - 0.5, part / 4 - 0.5) * 0.5;
+}
+
+}  // namespace
+
+Carving::Carving(Voxels voxels) : voxels_(std::move(voxels)), proofs_(voxels_.states.size()) {}
+
+bool Carving::Parts::AreFree() const {
+  return (sure | likely | (perhaps & perhaps_besides & ~things)) == kAll;
+}
+
+void Carving::Add(const Evidence& picture) {
+  SOFFIT_EXPECT(cameras_in_map_m_.size() + 1 < std::numeric_limits<std::uint16_t>::max());
+  cameras_in_map_m_.push_back(picture.camera_in_map_m());
+  capture_ids_.push_back(picture.capture_id());
+  const Grid& grid = voxels_.grid;
+  ForEach(grid, [&](const Index& at) {
+    const std::size_t number = grid.Number(at[0], at[1], at[2]);
+    if (voxels_.states[number] == Voxel::kSolid || proofs_[number].is_surely_free) return;
+    AddTo(number, picture, grid.Center(at[0], at[1], at[2]));
+  });
+}
+
+void Carving::AddTo(std::size_t number, const Evidence& picture, const Eigen::Vector3d& center) {
+  using Sees = Evidence::Sees;
+  Proof& proof = proofs_[number];
+  const double reach_m = Reach(voxels_.grid.voxel_m);
+  const Sees sees = picture.SeeThrough(center, reach_m);
+  if (sees == Sees::kSure) {
+    proof.is_surely_free = true;
+    parts_.erase(number);
+    return;
+  }
+  if (sees == Sees::kLikely) proof.is_likely_free = true;
+  if (sees == Sees::kNothing && picture.ShowsThingAt(center)) Widen(proof.things, center);
+  if (!proof.is_likely_free && picture.SeesPartly(center, reach_m)) AddParts(parts_[number], picture, center);
+}
+
+void Carving::AddParts(Parts& parts, const Evidence& picture, const Eigen::Vector3d& center) const {
+  using Sees = Evidence::Sees;
+  const double edge_m = voxels_.grid.voxel_m;
+  const auto note = [&](Sees sees, std::uint64_t which) {
+    if (sees == Sees::kSure) parts.sure |= which;
+    if (sees == Sees::kLikely) parts.likely |= which;
+    if (sees == Sees::kPerhaps) {
+      if (parts.first == 0) parts.first = last();
+      const bool is_besides = Cosine(parts.first, last(), center) < kVeryOtherDirection;
+      (is_besides ? parts.perhaps_besides : parts.perhaps) |= which;
+    }
+  };
+  for (int part = 0; part < 8; ++part) {
+    const Eigen::Vector3d middle = center + edge_m * ToPart(part);
+    const double reach_m = Reach(edge_m / 2.0);
+    const std::uint64_t which = std::uint64_t{0xFF} << 8 * part;
+    const Sees sees = picture.SeeThrough(middle, reach_m);
+    note(sees, which);
+    if (sees == Sees::kNothing && picture.ShowsThingAt(middle)) parts.things |= which;
+    if (sees != Sees::kNothing || !picture.SeesPartly(middle, reach_m)) continue;
+    for (int finer = 0; finer < 8; ++finer) {
+      const Eigen::Vector3d place = middle + edge_m / 2.0 * ToPart(finer);
+      note(picture.SeeThrough(place, reach_m / 2.0), std::uint64_t{1} << (8 * part + finer));
+    }
+  }
+}
+
+Voxels Carving::Judge() const {
+  Voxels judged = voxels_;
+  const Grid& grid = judged.grid;
+  ForEach(grid, [&](const Index& at) {
+    Voxel& state = judged.At(at);
+    if (state == Voxel::kSolid) return;
+    const std::size_t number = grid.Number(at[0], at[1], at[2]);
+    const Proof& proof = proofs_[number];
+    const auto parts = parts_.find(number);
+    const bool is_thing = Cosine(proof.things, grid.Center(at[0], at[1], at[2])) < kOtherDirection;
+    const bool is_sure = proof.is_surely_free || (parts != parts_.end() && parts->second.sure == kAll);
+    const bool is_likely = proof.is_likely_free || (parts != parts_.end() && parts->second.AreFree());
+    if (is_sure) {
+      state = Voxel::kFree;
+    } else if (is_thing) {
+      state = Voxel::kThing;
+    } else if (is_likely) {
+      state = Voxel::kFree;
+    }
+  });
+  return judged;
+}
+
+std::vector<std::uint32_t> Carving::CapturesOfThingAt(const Index& at) const {
+  const Pair& things = proofs_[voxels_.grid.Number(at[0], at[1], at[2])].things;
+  std::vector<std::uint32_t> captures;
+  for (const std::uint16_t number : {things.first, things.second}) {
+    if (number > 0) captures.push_back(capture_ids_[number - 1U]);
+  }
+  return captures;
+}
+
+/// Takes the last picture in when that makes the pair's directions differ more.
+void Carving::Widen(Pair& pair, const Eigen::Vector3d& place) const {
+  const auto last = static_cast<std::uint16_t>(cameras_in_map_m_.size());
+  if (pair.first == 0) {
+    pair.first = last;
+    return;
+  }
+  const double with_first = Cosine(pair.first, last, place);
+  if (pair.second == 0) {
+    pair.second = last;
+    return;
+  }
+  const double with_second = Cosine(pair.second, last, place);
+  if (std::min(with_first, with_second) >= Cosine(pair, place)) return;
+  (with_first < with_second ? pair.second : pair.first) = last;
+}
+
+double Carving::Cosine(std::uint16_t a, std::uint16_t b, const Eigen::Vector3d& place) const {
+  return (cameras_in_map_m_[a - 1U] - place)
+      .normalized()
+      .dot((cameras_in_map_m_[b - 1U] - place).normalized());
+}
+
+/// Between the directions of the pair; 1 when it has less than two.
+double Carving::Cosine(const Pair& pair, const Eigen::Vector3d& place) const {
+  return pair.second == 0 ? 1.0 : Cosine(pair.first, pair.second, place);
+}
+
+}  // namespace soffit
