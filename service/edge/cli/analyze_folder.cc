@@ -17,11 +17,9 @@ Result<FolderAnalysis> AnalyzeFolder(const std::filesystem::path& folder,
   const Result<Reference> reference = ReadReferenceFile(folder / survey.value().reference_file);
   if (!reference.ok()) return reference.error();
   if (!survey.value().colors.empty()) options.mask.colors = survey.value().colors;
-  Result<Analysis> analysis = Analyze(survey.value(), reference.value(), options);
+  Result<Analysis> analysis = Analyze(folder, survey.value(), reference.value(), options);
   if (!analysis.ok()) return analysis.error();
-  FolderAnalysis all{std::move(survey).value(), std::move(analysis).value()};
-  for (Capture& capture : all.survey.captures) capture.bytes = {};
-  return all;
+  return FolderAnalysis{std::move(survey).value(), std::move(analysis).value()};
 }
 
 }  // namespace soffit

@@ -8,7 +8,7 @@
 namespace soffit {
 
 struct FolderAnalysis {
-  Survey survey;  ///< Without the bytes of the pictures.
+  Survey survey;
   Analysis analysis;
 };
 

@@ -4,15 +4,27 @@
 #include <optional>
 #include <thread>
 
+#include "service/edge/files/file.h"
+
 namespace soffit {
 namespace {
 
-std::vector<std::optional<Result<Observation>>> ObserveAll(const std::vector<Capture>& captures,
+Result<Observation> ObserveFile(const std::filesystem::path& folder, Capture capture,
+                                const PipelineOptions& options) {
+  Result<std::vector<std::uint8_t>> bytes = ReadFile(folder / capture.name, options.image.max_bytes);
+  if (!bytes.ok()) return bytes.error();
+  capture.bytes = std::move(bytes).value();
+  return Observe(capture, options);
+}
+
+std::vector<std::optional<Result<Observation>>> ObserveAll(const std::filesystem::path& folder,
+                                                           const std::vector<Capture>& captures,
                                                            const PipelineOptions& options) {
   std::vector<std::optional<Result<Observation>>> seen(captures.size());
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
-    for (std::size_t i = next++; i < captures.size(); i = next++) seen[i] = Observe(captures[i], options);
+    for (std::size_t i = next++; i < captures.size(); i = next++)
+      seen[i] = ObserveFile(folder, captures[i], options);
   };
   std::vector<std::jthread> helpers;
   const std::size_t threads =
@@ -25,11 +37,11 @@ std::vector<std::optional<Result<Observation>>> ObserveAll(const std::vector<Cap
 
 }  // namespace
 
-Result<Analysis> Analyze(const Survey& survey, const Reference& reference,
-                         const PipelineOptions& options) try {
+Result<Analysis> Analyze(const std::filesystem::path& folder, const Survey& survey,
+                         const Reference& reference, const PipelineOptions& options) try {
   Analysis analysis;
   std::vector<std::string> problems;
-  for (std::optional<Result<Observation>>& seen : ObserveAll(survey.captures, options)) {
+  for (std::optional<Result<Observation>>& seen : ObserveAll(folder, survey.captures, options)) {
     if (seen->ok()) {
       analysis.observations.push_back(std::move(*seen).value());
     } else {

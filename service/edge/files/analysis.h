@@ -1,5 +1,7 @@
 #pragma once
 
+#include <filesystem>
+
 #include "service/edge/files/survey.h"
 #include "service/pipeline/pipeline.h"
 #include "shared/result/result.h"
@@ -12,7 +14,8 @@ struct Analysis {
 };
 
 /// Runs the service's stages on a survey, pictures in parallel; the answer does not depend on the number of
-/// threads. An error when no picture can be used.
-Result<Analysis> Analyze(const Survey& survey, const Reference& reference, const PipelineOptions& options);
+/// threads. Each picture is read from `folder` when its turn comes. An error when none can be used.
+Result<Analysis> Analyze(const std::filesystem::path& folder, const Survey& survey,
+                         const Reference& reference, const PipelineOptions& options);
 
 }  // namespace soffit

@@ -13,10 +13,16 @@ Error CannotWrite(const fs::path& file, const std::string& why) {
 
 }  // namespace
 
-Result<std::vector<std::uint8_t>> ReadFile(const fs::path& file, std::uintmax_t max_bytes) {
+Status CheckFile(const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error)) return Error{Error::Code::kNotFound, file.string() + ": no such file"};
   if (!fs::is_regular_file(file, error)) return InvalidInput(file.string() + ": not a regular file");
+  return OkStatus();
+}
+
+Result<std::vector<std::uint8_t>> ReadFile(const fs::path& file, std::uintmax_t max_bytes) {
+  if (const Status status = CheckFile(file); !status.ok()) return status.error();
+  std::error_code error;
   const std::uintmax_t size = fs::file_size(file, error);
   if (error) return Error{Error::Code::kUnavailable, file.string() + ": " + error.message()};
   if (size > max_bytes) {

@@ -9,6 +9,9 @@
 
 namespace soffit {
 
+/// An error when there is no such regular file.
+Status CheckFile(const std::filesystem::path& file);
+
 /// All bytes of a regular file of at most `max_bytes`.
 Result<std::vector<std::uint8_t>> ReadFile(const std::filesystem::path& file, std::uintmax_t max_bytes);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "service/edge/files/bitmap.h"
 #include "service/edge/files/file.h"
@@ -15,7 +16,6 @@ using Json = nlohmann::json;
 
 constexpr char kFormat[] = "soffit-survey/1";
 constexpr std::uintmax_t kMaxSurveyBytes = 64U << 20U;
-constexpr std::uintmax_t kMaxPictureBytes = 64U << 20U;
 
 /// What is wrong with a document, and where; made into an `Error` at the border of this file.
 struct Malformed {
@@ -60,6 +60,12 @@ struct Node {
     return value;
   }
 
+  int Integer(int low, int high) const {
+    const double value = Number(low, high);
+    if (value != std::floor(value)) Fail("must be a whole number");
+    return static_cast<int>(value);
+  }
+
   std::string Text() const {
     if (!json.is_string() || json.get<std::string>().empty()) Fail("must be a text");
     return json.get<std::string>();
@@ -91,8 +97,8 @@ struct Node {
 
 Intrinsics ReadCamera(const Node& camera) {
   Intrinsics k;
-  k.width_px = static_cast<int>(camera.At("width").Number(1, 100000));
-  k.height_px = static_cast<int>(camera.At("height").Number(1, 100000));
+  k.width_px = camera.At("width").Integer(1, 100000);
+  k.height_px = camera.At("height").Integer(1, 100000);
   k.fx_px = camera.At("fx").Number(1e-3, 1e7);
   k.fy_px = camera.At("fy").Number(1e-3, 1e7);
   k.cx_px = camera.At("cx").Number(-1e6, 1e6);
@@ -153,8 +159,11 @@ Survey ReadDocument(const Node& root) {
   }
   const Node camera = root.At("camera");
   const Intrinsics intrinsics = ReadCamera(camera);
+  std::set<fs::path> files;  // A picture taken for two would confirm itself.
   for (const Node& frame : root.At("frames").List(1, 100000)) {
     Capture capture = ReadFrame(frame);
+    if (!files.insert(fs::path(capture.name).lexically_normal()).second)
+      frame.At("file").Fail("\"" + capture.name + "\" is listed before");
     capture.intrinsics = frame.Has("camera") ? ReadCamera(frame.At("camera")) : intrinsics;
     capture.capture_id = static_cast<std::uint32_t>(survey.captures.size() + 1);
     survey.captures.push_back(std::move(capture));
@@ -202,10 +211,8 @@ Result<Survey> ReadSurvey(const fs::path& folder) {
   } catch (const Malformed& problem) {
     return InvalidInput(file.string() + ": " + problem.message);
   }
-  for (Capture& capture : survey.captures) {
-    Result<std::vector<std::uint8_t>> bytes = ReadFile(folder / capture.name, kMaxPictureBytes);
-    if (!bytes.ok()) return bytes.error();
-    capture.bytes = std::move(bytes).value();
+  for (const Capture& capture : survey.captures) {
+    if (const Status status = CheckFile(folder / capture.name); !status.ok()) return status.error();
   }
   return survey;
 }

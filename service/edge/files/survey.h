@@ -14,19 +14,20 @@ namespace soffit {
 
 /// All that a flight brought home, as a folder keeps it: `survey.json` and the pictures that it names.
 struct Survey {
-  std::vector<Capture> captures;  ///< In the order of the file; ids from 1.
+  std::vector<Capture> captures;  ///< In the order of the file; ids from 1. Each names another file.
   VehicleEnvelope vehicle;
   std::string reference_file;            ///< The small map of what is wanted, relative to the folder.
   std::vector<std::string> colors;       ///< Of buildings; empty: as the options say.
   std::optional<GeodeticOrigin> origin;  ///< Of the map, where it is known.
 };
 
-/// Reads `folder/survey.json` (format soffit-survey/1) and the bytes of its pictures, which are not decoded
-/// here. Errors name the file, the place in it and what is allowed there; files outside of the folder are
-/// refused.
+/// Reads `folder/survey.json` (format soffit-survey/1). The pictures have to be there, but are not read: the
+/// captures have no bytes. Errors name the file, the place in it and what is allowed there; files outside of
+/// the folder are refused.
 Result<Survey> ReadSurvey(const std::filesystem::path& folder);
 
-/// Writes what `ReadSurvey` reads, pictures included (those that are there already are kept).
+/// Writes what `ReadSurvey` reads, and the pictures from the captures' bytes (those that are there already
+/// are kept).
 Status WriteSurvey(const std::filesystem::path& folder, const Survey& survey);
 
 /// Reads a small black-on-white map from a PNG or JPEG.

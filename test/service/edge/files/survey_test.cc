@@ -7,6 +7,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "service/edge/files/file.h"
+
 namespace soffit {
 namespace {
 
@@ -22,7 +24,7 @@ class ReadSurveyTest : public ::testing::Test {
     folder_ = fs::path(::testing::TempDir()) /
               ("soffit_survey_" + std::string(info->name()) + std::to_string(getpid()));
     fs::create_directories(folder_);
-    Write("overview.jpg", "not decoded here");
+    Write("overview.jpg", "not read here");
   }
   ~ReadSurveyTest() override { fs::remove_all(folder_); }
 
@@ -82,7 +84,6 @@ TEST_F(ReadSurveyTest, ReadsAllFields) {
   EXPECT_EQ(capture.map_from_camera.translation_m, Eigen::Vector3d(1, 2, 9));
   EXPECT_DOUBLE_EQ(capture.map_from_camera.rotation.x(), 1.0);
   EXPECT_TRUE(capture.has_trusted_pose);
-  EXPECT_EQ(std::string(capture.bytes.begin(), capture.bytes.end()), "not decoded here");
 }
 
 TEST_F(ReadSurveyTest, ReadsBackWhatWasWritten) {
@@ -90,12 +91,13 @@ TEST_F(ReadSurveyTest, ReadsBackWhatWasWritten) {
   Survey survey = ReadSurvey(folder_).value();
   survey.captures[0].has_trusted_pose = false;
   survey.captures[0].name = "pictures/overview.jpg";
+  survey.captures[0].bytes = {1, 2, 3};
   survey.origin = GeodeticOrigin{50.06, 19.94, 210.0};
   const fs::path copy = folder_ / "copy";
   ASSERT_TRUE(WriteSurvey(copy, survey).ok());
   const Result<Survey> again = ReadSurvey(copy);
   ASSERT_TRUE(again.ok()) << again.error().message;
-  EXPECT_EQ(again.value().captures[0].bytes, survey.captures[0].bytes);
+  EXPECT_EQ(ReadFile(copy / again.value().captures[0].name, 10).value(), survey.captures[0].bytes);
   EXPECT_EQ(again.value().captures[0].exposure_utc_ns, survey.captures[0].exposure_utc_ns);
   EXPECT_FALSE(again.value().captures[0].has_trusted_pose);
   EXPECT_DOUBLE_EQ(again.value().captures[0].position_std_m, 0.08);
@@ -110,6 +112,10 @@ TEST_F(ReadSurveyTest, NamesTheMissingFile) {
   json survey = GoodSurvey();
   survey["frames"][0]["file"] = "gone.jpg";
   EXPECT_THAT(ErrorFor(survey), HasSubstr("gone.jpg: no such file"));
+  survey["frames"][0]["file"] = std::string(5000, 'a');
+  EXPECT_THAT(ErrorFor(survey), HasSubstr("no such file"));
+  survey["frames"][0]["file"] = ".";
+  EXPECT_THAT(ErrorFor(survey), HasSubstr("not a regular file"));
 }
 
 TEST_F(ReadSurveyTest, RefusesWhatIsNotJson) {
@@ -130,13 +136,19 @@ TEST_F(ReadSurveyTest, NamesThePlaceOfWhatIsWrong) {
   EXPECT_THAT(ErrorFor(with(at("/format"), "soffit-survey/9")), HasSubstr("format"));
   EXPECT_THAT(ErrorFor(with(at("/camera/fx"), nullptr)), HasSubstr("camera.fx: is null"));
   EXPECT_THAT(ErrorFor(with(at("/camera/fx"), 0)), HasSubstr("camera.fx"));
+  EXPECT_THAT(ErrorFor(with(at("/camera/width"), 1280.7)), HasSubstr("camera.width"));
+  EXPECT_THAT(ErrorFor(with(at("/camera/d"), json(std::vector<int>(8)))), HasSubstr("camera.d"));
+  EXPECT_THAT(ErrorFor(with(at("/camera"), "wide")), HasSubstr("camera"));
   EXPECT_THAT(ErrorFor(with(at("/camera/distortion_model"), "fisheye")), HasSubstr("plumb_bob"));
   EXPECT_THAT(ErrorFor(with(at("/vehicle/radius_m"), "big")), HasSubstr("vehicle.radius_m"));
   EXPECT_THAT(ErrorFor(with(at("/frames"), json::array())), HasSubstr("frames"));
+  EXPECT_THAT(ErrorFor(with(at("/frames"), json::object())), HasSubstr("frames"));
   EXPECT_THAT(ErrorFor(with(at("/frames/0/purpose"), "selfie")), HasSubstr("frames[0].purpose"));
   EXPECT_THAT(ErrorFor(with(at("/frames/0/position"), {1, 2})), HasSubstr("frames[0].position"));
   EXPECT_THAT(ErrorFor(with(at("/frames/0/position/2"), nullptr)), HasSubstr("frames[0].position[2]"));
+  EXPECT_THAT(ErrorFor(with(at("/frames/0/position/0"), 1e300)), HasSubstr("frames[0].position[0]"));
   EXPECT_THAT(ErrorFor(with(at("/frames/0/orientation"), {0, 0, 0, 0})), HasSubstr("unit quaternion"));
+  EXPECT_THAT(ErrorFor(with(at("/frames/0/orientation"), {1.1, 0, 0, 0})), HasSubstr("unit quaternion"));
   EXPECT_THAT(ErrorFor(with(at("/frames/0/position_std_m"), -1)), HasSubstr("frames[0].position_std_m"));
   EXPECT_THAT(ErrorFor(with(at("/origin"), {{"latitude_deg", 91}})), HasSubstr("origin.latitude_deg"));
 }
@@ -145,6 +157,15 @@ TEST_F(ReadSurveyTest, NamesTheMissingKey) {
   json survey = GoodSurvey();
   survey["frames"][0].erase("orientation");
   EXPECT_THAT(ErrorFor(survey), HasSubstr("frames[0].orientation: is missing"));
+}
+
+TEST_F(ReadSurveyTest, RefusesAPictureThatIsListedTwice) {
+  json survey = GoodSurvey();
+  survey["frames"].push_back(survey["frames"][0]);
+  for (const char* name : {"overview.jpg", "./overview.jpg", "a/../overview.jpg"}) {
+    survey["frames"][1]["file"] = name;
+    EXPECT_THAT(ErrorFor(survey), HasSubstr("frames[1].file")) << name;
+  }
 }
 
 TEST_F(ReadSurveyTest, RefusesFilesOutsideOfTheFolder) {
