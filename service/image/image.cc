@@ -14,6 +14,10 @@
 namespace soffit {
 namespace {
 
+/// A picture that may have been taken anywhere, or in any direction, tells nothing of where things are.
+constexpr double kMaxPositionStd_m = 10.0;
+constexpr double kMaxOrientationStd_rad = 0.5;
+
 std::string SizeText(std::int64_t width_px, std::int64_t height_px) {
   return std::to_string(width_px) + " x " + std::to_string(height_px) + " pixels";
 }
@@ -154,9 +158,9 @@ Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options) {
   if (!IsValid(k)) return InvalidInput(who + "its camera intrinsics are not valid");
   if (!IsFinite(capture.map_from_camera))
     return InvalidInput(who + "its pose is not a finite rotation and position");
-  if (!(capture.position_std_m >= 0.0) || !std::isfinite(capture.position_std_m) ||
-      !(capture.orientation_std_rad >= 0.0) || !std::isfinite(capture.orientation_std_rad)) {
-    return InvalidInput(who + "the standard deviations of its pose are not finite and >= 0");
+  if (!(capture.position_std_m >= 0.0 && capture.position_std_m <= kMaxPositionStd_m) ||
+      !(capture.orientation_std_rad >= 0.0 && capture.orientation_std_rad <= kMaxOrientationStd_rad)) {
+    return InvalidInput(who + "the standard deviations of its pose are not from 0 to 10 m and 0 to 0.5 rad");
   }
   if (!IsDistortionInvertible(k)) return InvalidInput(who + "its distortion folds the picture over itself");
   const Result<PictureHeader> inspected = Inspect(capture.bytes, options);

@@ -46,8 +46,8 @@ struct ImageOptions {
 /// orientation tag is not followed. An error says what is wrong. Pure; O(pixels).
 Result<cv::Mat3b> DecodePicture(const std::vector<std::uint8_t>& bytes, const ImageOptions& options);
 
-/// Decodes and undistorts a picture. Its size has to be that of the intrinsics, or it is not decoded, and its
-/// pose finite. The undistorted camera is zoomed so that the lens saw all of its pixels; none is made up.
+/// Decodes and undistorts a picture, when its size is that of its intrinsics and its pose known to 10 m and
+/// 0.5 rad. The undistorted camera is zoomed so that the lens saw all of its pixels; none is made up.
 /// Errors name the picture and what is wrong with it. Pure; O(pixels).
 Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options);
 

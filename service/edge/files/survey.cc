@@ -129,7 +129,7 @@ Capture ReadFrame(const Node& frame) {
   if (frame.Has("stamp_s")) {
     capture.exposure_utc_ns = std::llround(frame.At("stamp_s").Number(-9e9, 9e9) * 1e9);
   }
-  capture.map_from_camera.translation_m = frame.At("position").Vector(3, 1e8);
+  capture.map_from_camera.translation_m = frame.At("position").Vector(3, 1e7);
   const Eigen::Vector4d xyzw = frame.At("orientation").Vector(4, 2.0);
   if (!(std::abs(xyzw.norm() - 1.0) < 0.01)) {
     frame.At("orientation").Fail("must be a unit quaternion x, y, z, w");

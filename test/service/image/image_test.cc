@@ -245,6 +245,11 @@ TEST(DecodeImage, RefusesBrokenPosesAndIntrinsics) {
   capture = CaptureOf(bytes);
   capture.position_std_m = nan;
   EXPECT_THAT(ErrorOf(capture), HasSubstr("standard deviations"));
+  capture.position_std_m = 1000.0;
+  EXPECT_THAT(ErrorOf(capture), HasSubstr("standard deviations"));
+  capture = CaptureOf(bytes);
+  capture.orientation_std_rad = 3.0;
+  EXPECT_THAT(ErrorOf(capture), HasSubstr("standard deviations"));
   capture = CaptureOf(bytes);
   capture.intrinsics.fx_px = 0.0;
   EXPECT_THAT(ErrorOf(capture), HasSubstr("intrinsics"));
