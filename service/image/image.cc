@@ -133,12 +133,19 @@ Intrinsics WithoutDistortion(const Intrinsics& k) {
   return result;
 }
 
+/// A few rows at a time: where their pixels come from then stays in the cache.
 cv::Mat3b Undistort(const cv::Mat3b& picture, const Intrinsics& distorted, const Intrinsics& ideal) {
-  cv::Mat x, y;
-  cv::initUndistortRectifyMap(CameraMatrix(distorted), distorted.distortion, cv::noArray(),
-                              CameraMatrix(ideal), picture.size(), CV_32FC1, x, y);
-  cv::Mat3b result;
-  cv::remap(picture, result, x, y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  constexpr int kBandRows = 32;
+  cv::Mat3b result(picture.size());
+  cv::Mat whole, fraction;
+  for (int first = 0; first < picture.rows; first += kBandRows) {
+    cv::Mat3b band = result.rowRange(first, std::min(first + kBandRows, picture.rows));
+    cv::Matx33d camera = CameraMatrix(ideal);
+    camera(1, 2) -= first;
+    cv::initUndistortRectifyMap(CameraMatrix(distorted), distorted.distortion, cv::noArray(), camera,
+                                band.size(), CV_16SC2, whole, fraction);
+    cv::remap(picture, band, whole, fraction, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  }
   return result;
 }
 
