@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "service/facade/elevation.h"
+#include "service/facade/recess.h"
 #include "service/facade/wall.h"
 #include "shared/result/result.h"
 
@@ -19,7 +20,8 @@ constexpr double kMinDoubtShare = 0.05;    // Background in so little of it is n
 constexpr double kMinGroundOnlyShare = 0.90;
 constexpr double kStraightShare = 0.25;  // Of a head's columns that have to lie on one level.
 constexpr double kPixelStd = 0.7;
-constexpr double kMisfitSigmas = 6.0;  // Of the pose: by so much the picture may be beside the wall's end.
+constexpr double kSameWidthShare = 0.92;  // A gap that narrows less shows no sides of a recess.
+constexpr double kMisfitSigmas = 6.0;     // Of the pose: by so much the picture may be beside the wall's end.
 constexpr int kHeadSegments = 24;
 
 double Median(std::vector<double> values) {
@@ -358,8 +360,34 @@ Ring MouthRing(const Span& sides, double bottom, const Head& head) {
   return ring;
 }
 
-std::optional<Opening> MeasureOpening(const Elevation& view, const Gap& gap, const Polygon& footprint,
-                                      int side, double height_m) {
+/// The gap as a recess. Where its sides look like the wall, the gap is as wide as the mouth at the foot and
+/// as the back wall above; where they are dark, it is as wide as the mouth everywhere and the back wall's
+/// edges are looked for.
+std::optional<Recess> MeasureRecess(const Elevation& view, const Sight& sight, const Gap& gap,
+                                    double deepest_m) {
+  Mouth mouth{view.camera_uv_m, 1.0};
+  const Span inner = MeasureSides(view, gap, mouth);
+  const Span foot = gap.is_standing ? MeasureFoot(view, gap).value_or(inner) : inner;
+  const double width_m = foot.high - foot.low;
+  if (!(width_m > 2.0 * view.cell_m)) return std::nullopt;
+  const double share = (inner.high - inner.low) / width_m;
+  const bool shows_sides = share < kSameWidthShare;
+  if (shows_sides) mouth.shrink = share;
+  const Span& outer = shows_sides ? foot : inner;
+  const double bottom = gap.is_standing ? 0.0 : mouth.Bottom(gap.bounds.y * view.cell_m);
+  const Head head = MeasureHead(view, gap, mouth, outer);
+  if (!(head.spring_m + head.rise_m > bottom + 2.0 * view.cell_m)) return std::nullopt;
+  const Ring ring = MouthRing(outer, bottom, head);
+  if (!IsSimple(ring)) return std::nullopt;
+  if (!shows_sides) return FindRecess(sight, view.wall, ring, deepest_m);
+  const double depth_m = view.camera_front_m * (1.0 / share - 1.0);
+  if (depth_m > deepest_m) return std::nullopt;
+  const double share_std = 2.0 * kPixelStd * view.cell_m / width_m;
+  return Recess{ring, depth_m, view.camera_front_m / (share * share) * share_std};
+}
+
+std::optional<Opening> MeasureOpening(const Elevation& view, const Sight& sight, const Gap& gap,
+                                      const Polygon& footprint, int side, double height_m) {
   const double middle_u = (gap.bounds.x + 0.5 * gap.bounds.width) * view.cell_m;
   const std::optional<WayOut> way = FindWayOut(footprint, side, middle_u);
   Opening opening;
@@ -391,6 +419,9 @@ std::optional<Opening> MeasureOpening(const Elevation& view, const Gap& gap, con
   opening.ring_in_wall_m = MouthRing(sides, bottom, head);
   opening.std_m = std::hypot(view.pose_std_m, kPixelStd * view.cell_m / mouth.shrink);
   if (!IsSimple(opening.ring_in_wall_m)) return std::nullopt;
+  if (way && !opening.is_through) {
+    opening.recess = MeasureRecess(view, sight, gap, way->length_m);
+  }
   return opening;
 }
 
@@ -405,6 +436,7 @@ std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image
   const int sides = static_cast<int>(footprint.outer.size());
 
   std::vector<std::optional<Elevation>> best(static_cast<std::size_t>(sides));
+  std::vector<std::size_t> best_sight(static_cast<std::size_t>(sides));
   for (std::size_t i = 0; i < sights.size(); ++i) {
     const auto found = std::find(masks[i].classes.begin(), masks[i].classes.end(), object.color);
     const int own_class =
@@ -414,7 +446,9 @@ std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image
                                               masks[i], sights[i], options.resolution_m);
       std::optional<Elevation>& chosen = best[static_cast<std::size_t>(side)];
       if (!view || view->visible_ratio < kMinVisible) continue;
-      if (!chosen || view->quality > chosen->quality) chosen = std::move(view);
+      if (chosen && view->quality <= chosen->quality) continue;
+      chosen = std::move(view);
+      best_sight[static_cast<std::size_t>(side)] = i;
     }
   }
 
@@ -436,7 +470,8 @@ std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image
     facade.was_seen = view.has_value();
     if (facade.was_seen && height.value_m > 0.0) {
       for (const Gap& gap : FindGaps(*view, height.value_m, options.min_opening_m)) {
-        std::optional<Opening> opening = MeasureOpening(*view, gap, footprint, side, height.value_m);
+        std::optional<Opening> opening = MeasureOpening(
+            *view, sights[best_sight[static_cast<std::size_t>(side)]], gap, footprint, side, height.value_m);
         if (opening) facade.openings.push_back(*std::move(opening));
       }
     }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,13 @@ struct Sight {
   cv::Rect shown;  ///< What lies outside shows nothing: the margin of an undistorted picture.
 };
 
+/// A prism behind a wall.
+struct Recess {
+  Ring ring_in_wall_m;  ///< As that of an opening.
+  double depth_m = 0.0;
+  double std_m = 0.0;  ///< Of the depth.
+};
+
 /// An opening of one wall. Wall coordinates: u along the footprint's side from its first corner, v up from
 /// the ground.
 struct Opening {
@@ -34,8 +42,8 @@ struct Opening {
   bool is_through = false;  ///< Proved by evidence: background seen through it.
   bool shows_background =
       false;  ///< Some background is seen through it; when it is not `is_through`: too little to tell.
-  double depth_m = 0.0;  ///< Of a recess, where it could be told; else 0.
-  std::string evidence;  ///< For people: what it was decided from.
+  std::optional<Recess> recess;  ///< What it is if it does not go through, where that could be told.
+  std::string evidence;          ///< For people: what it was decided from.
   std::vector<std::uint32_t> captures;
 };
 

@@ -47,7 +47,7 @@ const char* ToString(MissionOutcome outcome);
 struct MissionOptions {
   double area_radius_m = 0.0;
   double transit_clearance_m = 1.5;
-  double transit_speed_mps = 2.0;
+  double transit_speed_mps = 5.0;
   double corridor_speed_mps = 0.6;
   double permit_valid_s = 120.0;
   double state_timeout_s = 2.0;

@@ -139,7 +139,7 @@ struct Assembly {
     entry.wall = side;
     for (const Eigen::Vector2d& p : ring) entry.polygon_in_map_m.push_back(wall.InMap(p));
     entry.is_through = is_through;
-    entry.depth_m = opening.depth_m;
+    if (!is_through && opening.recess) entry.depth_m = opening.recess->depth_m;
     entry.std_m = opening.std_m;
     solid.openings.push_back(std::move(entry));
     return solid.openings.size() - 1;
@@ -178,6 +178,15 @@ struct Assembly {
     return best;
   }
 
+  void AddRecess(const Facade& facade, std::size_t index) {
+    const Opening& opening = facade.openings[index];
+    const Ring& ring = opening.recess ? opening.recess->ring_in_wall_m : opening.ring_in_wall_m;
+    listed[{facade.side, index}] = List(facade.side, ring, opening, false);
+    if (!opening.recess) return;
+    const Wall wall = WallOf(footprint.polygon_in_map_m.outer, facade.side);
+    cuts.push_back(CutFor(wall, ring, -kOvercut_m, opening.recess->depth_m));
+  }
+
   void AddThrough(const Facade& facade, std::size_t index) {
     if (listed.count({facade.side, index}) > 0) return;
     const Opening& opening = facade.openings[index];
@@ -188,10 +197,7 @@ struct Assembly {
     std::optional<Counterpart> counterpart;
     if (exit != nullptr && exit->was_seen) counterpart = FindCounterpart(*exit, wall, opening);
     const bool may_be_inferred = exit != nullptr && !exit->was_seen;
-    if (!counterpart && !may_be_inferred) {
-      listed[{facade.side, index}] = List(facade.side, opening.ring_in_wall_m, opening, false);
-      return;
-    }
+    if (!counterpart && !may_be_inferred) return AddRecess(facade, index);
     Passage passage;
     passage.entry_wall = facade.side;
     passage.exit_wall = way->side;
@@ -219,14 +225,6 @@ struct Assembly {
     }
     cuts.push_back(CutFor(wall, passage.section_m, -kOvercut_m, reach + kOvercut_m));
     solid.passages.push_back(std::move(passage));
-  }
-
-  void AddRecess(const Facade& facade, std::size_t index) {
-    const Opening& opening = facade.openings[index];
-    const Wall wall = WallOf(footprint.polygon_in_map_m.outer, facade.side);
-    List(facade.side, opening.ring_in_wall_m, opening, false);
-    if (opening.depth_m > 0.0)
-      cuts.push_back(CutFor(wall, opening.ring_in_wall_m, -kOvercut_m, opening.depth_m));
   }
 };
 

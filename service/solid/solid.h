@@ -34,9 +34,10 @@ struct Passage {
   int exit_wall = -1;
   std::size_t entry_opening = 0;  ///< Index into Solid::openings.
   std::size_t exit_opening = 0;
-  Ring section_m;         ///< Common part of both mouths, in coordinates of the entry wall; simple.
-  double length_m = 0.0;  ///< Inside the building.
-  double std_m = 0.0;     ///< Of the sides of `section_m`.
+  Ring section_m;  ///< The common part of both mouths, or the larger when they differ; in coordinates of the
+                   ///< entry wall, simple.
+  double length_m = 0.0;                  ///< Inside the building.
+  double std_m = 0.0;                     ///< Of the sides of `section_m`.
   bool was_seen_from_both_sides = false;  ///< False: the far mouth was inferred from the near one.
 };
 

@@ -22,7 +22,7 @@ struct FenceCorner {
 };
 
 struct GuardOptions {
-  double max_speed_mps = 3.0;
+  double max_speed_mps = 8.0;
   double max_corridor_speed_mps = 1.0;
   double max_distance_m = 150.0;
   double max_path_m = 1000.0;

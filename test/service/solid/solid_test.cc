@@ -94,6 +94,17 @@ TEST(RaiseSolid, CutsNoPassageIntoAWallThatWasSeenClosed) {
   EXPECT_NEAR(solid.value().volume_m3, 12.0, 1e-9);
 }
 
+TEST(RaiseSolid, CutsARecessAsDeepAsItIs) {
+  auto facades = Closed(4);
+  Opening niche = Through({{1, 0}, {2.6, 0}, {2.6, 1.5}, {1, 1.5}});
+  niche.recess = Recess{{{1, 0}, {2.5, 0}, {2.5, 1.4}, {1, 1.4}}, 0.4, 0.01};
+  facades[0].openings = {niche};
+  const auto solid = RaiseSolid(Building(kBlock), facades, {});
+  ASSERT_TRUE(solid.ok());
+  EXPECT_THAT(solid.value().passages, IsEmpty());
+  EXPECT_NEAR(solid.value().volume_m3, 12.0 - 1.5 * 1.4 * 0.4, 1e-6);
+}
+
 TEST(RaiseSolid, TellsAPassageWhoseFarEndWasNotSeen) {
   auto facades = Closed(4);
   facades[2].was_seen = false;

@@ -141,7 +141,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "not finite"},
         Refusal{"NoPath", [](Command& c, Context&, Options&) { c.path_in_map_m.clear(); }, "path is empty"},
         Refusal{"NoSpeed", [](Command& c, Context&, Options&) { c.speed_mps = 0.0; }, "must be positive"},
-        Refusal{"TooFast", [](Command& c, Context&, Options&) { c.speed_mps = 3.5; }, "too fast: 3.50 m/s"},
+        Refusal{"TooFast", [](Command& c, Context&, Options&) { c.speed_mps = 8.5; }, "too fast: 8.50 m/s"},
         Refusal{"AboveCeiling", [](Command& c, Context&, Options&) { c.path_in_map_m[0].z() = 61.0; },
                 "ceiling"},
         Refusal{"BelowFloor", [](Command& c, Context&, Options&) { c.path_in_map_m[0].z() = -1.0; }, "floor"},
@@ -358,6 +358,7 @@ Telemetry FlyingAt(const Eigen::Vector3d& position_m, const Eigen::Vector3d& vel
 
 TEST(FindBoundsProblem, SeesAVehicleThatLeftItsBounds) {
   GuardOptions options;
+  options.max_speed_mps = 3.0;
   options.fence = {{-10.0, -10.0}, {10.0, -10.0}, {10.0, 10.0}, {-10.0, 10.0}};
   const auto find = [&](const Telemetry& telemetry, bool is_in_corridor = false) {
     return FindBoundsProblem(telemetry, is_in_corridor, options);
