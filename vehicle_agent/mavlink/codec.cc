@@ -103,6 +103,19 @@ std::vector<std::uint8_t> Pack(const Frame& frame) {
   return packet;
 }
 
+bool IsSigned(std::span<const std::uint8_t> packet) {
+  return packet.size() >= kHeaderLengthV2 + kChecksumLength + kSignatureLength && packet[0] == kMagicV2 &&
+         (packet[2] & kSignedFlag) != 0;
+}
+
+void MarkAsSigned(std::vector<std::uint8_t>& packet) {
+  packet[2] |= kSignedFlag;
+  packet.resize(packet.size() - kChecksumLength);
+  const std::uint32_t id = packet[7] | std::uint32_t{packet[8]} << 8 | std::uint32_t{packet[9]} << 16;
+  codec_internal::Writer writer{packet};
+  writer.Put(Checksum(packet, FindMessage(id)->crc_extra));
+}
+
 std::vector<Frame> FrameParser::Feed(std::span<const std::uint8_t> bytes) {
   pending_.insert(pending_.end(), bytes.begin(), bytes.end());
   std::vector<Frame> frames;
@@ -116,7 +129,14 @@ std::vector<Frame> FrameParser::Feed(std::span<const std::uint8_t> bytes) {
       const std::size_t end = start + attempt.length;
       if (end < pending_.size() && !IsMagic(pending_[end])) attempt = {Attempt::Kind::kGarbage, 1, {}};
     }
-    if (attempt.kind == Attempt::Kind::kFrame) frames.push_back(std::move(attempt.frame));
+    if (attempt.kind == Attempt::Kind::kFrame) {
+      const auto packet = std::span<const std::uint8_t>(pending_).subspan(start, attempt.length);
+      if (guard_ && !guard_->Accepts(packet)) {
+        ++refused_packet_count_;
+      } else {
+        frames.push_back(std::move(attempt.frame));
+      }
+    }
     if (attempt.kind == Attempt::Kind::kGarbage) dropped_byte_count_ += attempt.length;
     start += attempt.length;
   }

@@ -10,9 +10,11 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "vehicle_agent/mavlink/messages.h"
+#include "vehicle_agent/mavlink/signing.h"
 
 /// MAVLink 2 framing and (de)serialization: https://mavlink.io/en/guide/serialization.html.
 namespace soffit::mavlink {
@@ -193,6 +195,12 @@ std::optional<Message> Decode(const Frame& frame) {
 /// The packet of a frame of a message in messages.h: MAVLink 2, unsigned, trailing zeros left out.
 std::vector<std::uint8_t> Pack(const Frame& frame);
 
+/// Whether a whole packet says that a signature of 13 bytes follows its checksum.
+bool IsSigned(std::span<const std::uint8_t> packet);
+
+/// Makes an unsigned packet say so; its checksum is made anew. The signature itself is for the caller to add.
+void MarkAsSigned(std::vector<std::uint8_t>& packet);
+
 /// Makes packets, numbered in sequence, for one sender on one link. MAVLink 2, unsigned.
 class Encoder {
  public:
@@ -214,20 +222,29 @@ class Encoder {
 
 /// Finds packets in a stream of bytes that may be cut anywhere and may hold garbage.
 ///
-/// MAVLink 1 and 2. A signature is skipped, not checked. A message that is not in messages.h cannot be
+/// MAVLink 1 and 2. Signatures are skipped, unless there is a key to check them by: then whatever is not
+/// signed by it is left out and counted. A message that is not in messages.h cannot be
 /// checked and is left out; so is everything whose checksum, length or flags are wrong, and the search goes
 /// on right behind its first byte. Never throws on any input; keeps at most one packet's worth of bytes
 /// between calls.
 class FrameParser {
  public:
+  FrameParser() = default;
+  explicit FrameParser(std::optional<SignatureGuard> guard) : guard_(std::move(guard)) {}
+
   /// The complete packets up to the end of `bytes`, in order.
   std::vector<Frame> Feed(std::span<const std::uint8_t> bytes);
 
   /// Bytes that were no part of a packet; packets of messages that we do not know are not counted.
   std::uint64_t dropped_byte_count() const { return dropped_byte_count_; }
 
+  /// Packets that were whole, but not signed by the key, or replayed.
+  std::uint64_t refused_packet_count() const { return refused_packet_count_; }
+
  private:
+  std::optional<SignatureGuard> guard_;
   std::vector<std::uint8_t> pending_;
+  std::uint64_t refused_packet_count_ = 0;
   std::uint64_t dropped_byte_count_ = 0;
 };
 

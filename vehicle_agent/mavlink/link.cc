@@ -53,6 +53,9 @@ struct Address {
   sockaddr_storage bytes{};
   socklen_t length = 0;
   const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&bytes); }
+  bool operator==(const Address& other) const {
+    return length == other.length && std::memcmp(&bytes, &other.bytes, length) == 0;
+  }
 };
 
 struct Endpoint {
@@ -142,17 +145,22 @@ std::string BoundUrl(const char* scheme, const std::string& host, int socket) {
 
 class UdpLink : public Link {
  public:
-  UdpLink(Descriptor socket, std::string url, Address peer, bool answers_last_sender)
-      : socket_(std::move(socket)),
-        url_(std::move(url)),
-        peer_(peer),
-        answers_last_sender_(answers_last_sender) {}
+  /// @param peer  The other side; none: whoever sends.
+  UdpLink(Descriptor socket, std::string url, const std::optional<Address>& peer)
+      : socket_(std::move(socket)), url_(std::move(url)), answers_senders_(!peer) {
+    if (peer) peers_.push_back({*peer, {}});
+  }
 
   void Send(std::span<const std::uint8_t> bytes) override {
-    if (peer_.length == 0) return;
-    // What cannot be sent is lost; a peer that is not there (ECONNREFUSED) may come later.
-    [[maybe_unused]] const ssize_t sent =
-        ::sendto(socket_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL, peer_.get(), peer_.length);
+    if (answers_senders_) {
+      const auto is_gone = [now = Clock::now()](const Peer& peer) { return now - peer.heard > kPeerLife; };
+      std::erase_if(peers_, is_gone);
+    }
+    for (const Peer& peer : peers_) {
+      // What cannot be sent is lost; a peer that is not there (ECONNREFUSED) may come later.
+      [[maybe_unused]] const ssize_t sent = ::sendto(socket_.number(), bytes.data(), bytes.size(),
+                                                     MSG_NOSIGNAL, peer.address.get(), peer.address.length);
+    }
   }
 
   std::vector<std::uint8_t> Receive(milliseconds timeout) override {
@@ -167,7 +175,7 @@ class UdpLink : public Link {
                                        reinterpret_cast<sockaddr*>(&sender.bytes), &sender.length);
       if (count < 0 && errno == ECONNREFUSED) continue;  // The answer to something sent earlier.
       if (count < 0) break;
-      if (answers_last_sender_) peer_ = sender;
+      if (answers_senders_) NotePeer(sender);
       has_received_ = true;
       bytes.insert(bytes.end(), datagram.begin(), datagram.begin() + count);
     }
@@ -178,10 +186,24 @@ class UdpLink : public Link {
   std::string Url() const override { return url_; }
 
  private:
+  struct Peer {
+    Address address;
+    Clock::time_point heard;
+  };
+  static constexpr std::chrono::seconds kPeerLife{10};
+  static constexpr std::size_t kMostPeers = 4;
+
+  /// The newest come last; of too many, the one that was silent for longest is forgotten.
+  void NotePeer(const Address& sender) {
+    std::erase_if(peers_, [&](const Peer& peer) { return peer.address == sender; });
+    peers_.push_back({sender, Clock::now()});
+    if (peers_.size() > kMostPeers) peers_.erase(peers_.begin());
+  }
+
   Descriptor socket_;
   std::string url_;
-  Address peer_;
-  bool answers_last_sender_;
+  bool answers_senders_;
+  std::vector<Peer> peers_;
   bool has_received_ = false;
 };
 
@@ -359,7 +381,7 @@ Result<std::unique_ptr<Link>> OpenUdpIn(const std::string& url, const Endpoint& 
   auto socket = OpenBoundSocket(url, endpoint, SOCK_DGRAM);
   if (!socket.ok()) return socket.error();
   const std::string bound = BoundUrl("udpin", endpoint.host, socket.value().number());
-  return std::unique_ptr<Link>(std::make_unique<UdpLink>(std::move(socket).value(), bound, Address{}, true));
+  return std::unique_ptr<Link>(std::make_unique<UdpLink>(std::move(socket).value(), bound, std::nullopt));
 }
 
 Result<std::unique_ptr<Link>> OpenUdpOut(const std::string& url, const Endpoint& endpoint) {
@@ -367,7 +389,7 @@ Result<std::unique_ptr<Link>> OpenUdpOut(const std::string& url, const Endpoint&
   if (!address.ok()) return address.error();
   Descriptor socket = OpenSocket(SOCK_DGRAM);
   if (!socket.is_open()) return BadUrl(url, LastError());
-  return std::unique_ptr<Link>(std::make_unique<UdpLink>(std::move(socket), url, address.value(), false));
+  return std::unique_ptr<Link>(std::make_unique<UdpLink>(std::move(socket), url, address.value()));
 }
 
 Result<std::unique_ptr<Link>> OpenTcp(const std::string& url, const Endpoint& endpoint) {

@@ -36,7 +36,7 @@ class Link {
 
 /// Opens a link from its URL:
 ///
-///     udpin:0.0.0.0:14550           waits for datagrams, answers to whoever sent the last one
+///     udpin:0.0.0.0:14550           waits for datagrams, sends to all who sent in the last ten seconds
 ///     udpout:192.168.1.10:14550     sends datagrams there and takes the answers
 ///     tcp:192.168.1.10:5760         connects as a client
 ///     tcpin:127.0.0.1:5760          waits for one client; a new one takes the place of the old one

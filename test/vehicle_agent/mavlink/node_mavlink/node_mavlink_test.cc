@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -21,8 +22,17 @@ namespace soffit::mavlink {
 namespace {
 
 using nlohmann::json;
+using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using Bytes = std::vector<std::uint8_t>;
+
+constexpr SigningKey kKey = {7, 1, 250, 3};
+
+std::int64_t NowUtc_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
 
 std::string ToHex(const Bytes& bytes) {
   std::string hex;
@@ -106,6 +116,7 @@ TEST(NodeMavlink, AgreesWithOurCodecAboutEveryMessage) {
   std::vector<json> questions;
   std::vector<std::function<Bytes(const Frame&)>> recoders;  // Our reading of a frame, coded again.
   std::vector<const MessageInfo*> infos;
+  Signer signer(kKey, 2);
   constexpr int kSamplesOfEach = 3;
   ForEachMessageType([&]<class Message>(std::type_identity<Message>) {
     for (int i = 0; i < kSamplesOfEach; ++i) {
@@ -116,7 +127,13 @@ TEST(NodeMavlink, AgreesWithOurCodecAboutEveryMessage) {
       const Bytes packet = Encoder(1, 191).Encode(message);
       recoders.push_back([](const Frame& frame) { return Encoder(1, 191).Encode(*Decode<Message>(frame)); });
       infos.push_back(FindMessage(Message::kId));
-      questions.push_back({{"id", Message::kId}, {"packet", ToHex(packet)}, {"fields", fields}});
+      Bytes signed_packet = packet;
+      signer.Sign(signed_packet, NowUtc_ns());
+      questions.push_back({{"id", Message::kId},
+                           {"packet", ToHex(packet)},
+                           {"signed", ToHex(signed_packet)},
+                           {"key", ToHex({kKey.begin(), kKey.end()})},
+                           {"fields", fields}});
     }
   });
 
@@ -130,6 +147,10 @@ TEST(NodeMavlink, AgreesWithOurCodecAboutEveryMessage) {
     EXPECT_EQ(answer["base_length"], infos[i]->base_length);
     EXPECT_EQ(answer["full_length"], infos[i]->full_length);
     EXPECT_EQ(answer["fields"], questions[i]["fields"]);
+    EXPECT_EQ(answer["is_signature_right"], true);
+    const Bytes signed_packet = FromHex(answer["signed"]);
+    EXPECT_THAT(FrameParser(SignatureGuard(kKey, NowUtc_ns())).Feed(signed_packet), SizeIs(1));
+    EXPECT_THAT(FrameParser(SignatureGuard(SigningKey{}, NowUtc_ns())).Feed(signed_packet), IsEmpty());
     for (const char* version : {"v1", "v2"}) {
       if (answer[version].is_null()) continue;  // MAVLink 1 has no ids above 255.
       const auto frames = FrameParser().Feed(FromHex(answer[version]));

@@ -1,9 +1,11 @@
 // Reads, codes and decodes MAVLink with node-mavlink, for the test of our own codec.
 //
-// In, one JSON object per line:  {"id": 0, "packet": "<hex, by our codec>", "fields": {"custom_mode": "4", ...}}
+// In, one JSON object per line:  {"id": 0, "packet": "<hex, by our codec>", "signed": "<the same, signed>", "key": "<hex>",
+//                                 "fields": {"custom_mode": "4", ...}}
 // Out, one line for each:        {"id", "name", "crc_extra", "base_length", "full_length",
 //                                 "fields": <what node-mavlink reads from the packet>,
-//                                 "v1", "v2": <hex of what it makes of the fields>}
+//                                 "is_signature_right": <of the signed one>,
+//                                 "v1", "v2", "signed": <hex of what it makes of the fields>}
 // Numbers travel as strings, so that 64 bits survive.
 const readline = require('readline');
 const {MavLinkPacketParser, MavLinkPacketSplitter, MavLinkProtocolV1, MavLinkProtocolV2} = require('node-mavlink');
@@ -40,6 +42,8 @@ async function answer(line) {
     else message[field.name] = fromText(field, sent);
   }
   const base = type.FIELDS.filter((field) => !field.extension);
+  const key = Buffer.from(question.key, 'hex');
+  const signer = new MavLinkProtocolV2(1, 191, MavLinkProtocolV2.IFLAG_SIGNED);
   const end = (list) => Math.max(...list.map((field) => field.offset + field.size * Math.max(field.length, 1)));
   return {
     id: question.id,
@@ -48,6 +52,8 @@ async function answer(line) {
     base_length: end(base),
     full_length: end(type.FIELDS),
     fields,
+    is_signature_right: (await readPacket(question.signed)).signature.matches(key),
+    signed: signer.sign(signer.serialize(message, 0), 3, key).toString('hex'),
     v1: question.id > 255 ? null : new MavLinkProtocolV1(1, 191).serialize(message, 0).toString('hex'),
     v2: new MavLinkProtocolV2(1, 191).serialize(message, 0).toString('hex'),
   };
