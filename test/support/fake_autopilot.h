@@ -28,11 +28,18 @@ class FakeAutopilot {
   bool is_ready = true;
   bool answers_timesync = true;
   bool is_silent = false;
+  bool is_deaf = false;  ///< To commands that make it do something.
   std::uint8_t system_status = mavlink::kStateStandby;
   std::string arming_complaint;  ///< Not empty: refuses to arm, and says so.
   Eigen::Vector3d position_ned_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_ned_mps = Eigen::Vector3d::Zero();
   double yaw_ned_rad = 0.0;
+  bool has_home = true;
+  float estimator_ratio = 0.1F;  ///< Of the innovation tests.
+  float estimator_accuracy_m = 0.5F;
+  bool has_old_mount = false;  ///< Speaks the gimbal protocol before GIMBAL_MANAGER.
+  std::map<std::string, float> parameters;
+  std::vector<mavlink::Statustext> texts;  ///< All that were received.
   std::int32_t home_latitude_e7 = 500000000;
   std::int32_t origin_latitude_e7 = 500000000;
   std::vector<mavlink::CommandLong> commands;  ///< All that were received.
@@ -51,6 +58,8 @@ class FakeAutopilot {
     using namespace mavlink;
     if (const auto command = Decode<CommandLong>(frame)) Do(*command);
     if (const auto aim = Decode<GimbalManagerSetPitchyaw>(frame)) gimbal_aims.push_back(*aim);
+    if (const auto text = Decode<Statustext>(frame)) texts.push_back(*text);
+    if (const auto request = Decode<ParamRequestRead>(frame)) SendParameter(TextOf(request->param_id));
     if (const auto sync = Decode<Timesync>(frame); sync && sync->tc1 == 0 && answers_timesync) {
       Timesync answer = *sync;
       answer.tc1 = std::int64_t{boot_ms_} * 1'000'000;
@@ -108,7 +117,9 @@ class FakeAutopilot {
   void Do(const mavlink::CommandLong& command) {
     using namespace mavlink;
     commands.push_back(command);
-    if (command.target_system != 1) return;
+    const bool is_request =
+        command.command == kCmdSetMessageInterval || command.command == kCmdRequestMessage;
+    if (command.target_system != 1 || (is_deaf && !is_request)) return;
     std::uint8_t result = kResultAccepted;
     switch (command.command) {
       case kCmdSetMessageInterval:
@@ -122,6 +133,14 @@ class FakeAutopilot {
         mode = make_ == kAutopilotPx4 ? static_cast<std::uint32_t>(command.param2) << 16
                                       : static_cast<std::uint32_t>(command.param2);
         if (make_ == kAutopilotPx4 && setpoints.empty()) result = kResultFailed;
+        break;
+      case kCmdDoSetHome:
+        has_home = true;
+        break;
+      case kCmdDoMountControl:
+        mount_pitch_deg_ = command.param1;
+        break;
+      case kCmdDoGimbalManagerConfigure:
         break;
       case kCmdNavLand:
         mode = Px4CustomMode(kPx4Auto, kPx4AutoLand);
@@ -190,7 +209,12 @@ class FakeAutopilot {
       m.q1 = static_cast<float>(std::cos(0.5 * yaw_ned_rad));
       m.q4 = static_cast<float>(std::sin(0.5 * yaw_ned_rad));
       Say(m);
-    } else if (id == GimbalDeviceAttitudeStatus::kId) {
+    } else if (id == MountOrientation::kId && has_old_mount) {
+      MountOrientation m;
+      m.time_boot_ms = boot_ms_;
+      m.pitch = mount_pitch_deg_;
+      Say(m);
+    } else if (id == GimbalDeviceAttitudeStatus::kId && !has_old_mount) {
       const double pitch_rad = gimbal_aims.empty() ? 0.0 : static_cast<double>(gimbal_aims.back().pitch);
       GimbalDeviceAttitudeStatus m;
       m.time_boot_ms = boot_ms_;
@@ -216,12 +240,15 @@ class FakeAutopilot {
     } else if (id == EkfStatusReport::kId) {
       EkfStatusReport m;
       m.flags = is_ready ? 0x33f : 0xa7;
+      m.pos_horiz_variance = m.compass_variance = estimator_ratio;
       Say(m);
     } else if (id == EstimatorStatus::kId) {
       EstimatorStatus m;
       m.flags = is_ready ? 0x33f : 0xa7;
+      m.pos_horiz_ratio = m.mag_ratio = estimator_ratio;
+      m.pos_horiz_accuracy = estimator_accuracy_m;
       Say(m);
-    } else if (id == HomePosition::kId && is_ready) {
+    } else if (id == HomePosition::kId && is_ready && has_home) {
       HomePosition m;
       m.latitude = home_latitude_e7;
       m.longitude = 190000000;
@@ -234,6 +261,16 @@ class FakeAutopilot {
       m.altitude = 250000;
       Say(m);
     }
+  }
+
+  void SendParameter(const std::string& name) {
+    const auto found = parameters.find(name);
+    if (found == parameters.end()) return;
+    mavlink::ParamValue m;
+    m.param_id = mavlink::ToTextField<16>(name);
+    m.param_value = found->second;
+    m.param_type = mavlink::kParamReal32;
+    Say(m);
   }
 
   template <class Message>
@@ -249,6 +286,7 @@ class FakeAutopilot {
   std::map<std::uint32_t, std::uint32_t> intervals_ms_;
   std::map<std::uint32_t, std::uint32_t> sent_ms_;
   bool is_climbing_ = false;
+  float mount_pitch_deg_ = 0.0F;
   Eigen::Vector3d target_ned_m_ = Eigen::Vector3d::Zero();
   double target_yaw_rad_ = 0.0;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <libexif/exif-data.h>
+#include <turbojpeg.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -31,12 +32,8 @@ struct TestExif {
   std::string offset;
 };
 
-/// An APP1 segment.
-inline Bytes MakeExifSegment(const TestExif& exif) {
-  ExifData* data = exif_data_new();
-  if (!exif.time.empty()) AddExifText(data, 0x9003, exif.time);
-  if (!exif.fraction.empty()) AddExifText(data, 0x9291, exif.fraction);
-  if (!exif.offset.empty()) AddExifText(data, 0x9011, exif.offset);
+/// An APP1 segment of EXIF data, which are released.
+inline Bytes TakeSegment(ExifData* data) {
   unsigned char* saved = nullptr;
   unsigned size = 0;
   exif_data_save_data(data, &saved, &size);
@@ -51,7 +48,45 @@ inline Bytes MakeExifSegment(const TestExif& exif) {
   return segment;
 }
 
-/// A file with the structure of a JPEG: what it shows does not matter.
+/// An APP1 segment that tells the time of exposure.
+inline Bytes MakeExifSegment(const TestExif& exif) {
+  ExifData* data = exif_data_new();
+  if (!exif.time.empty()) AddExifText(data, 0x9003, exif.time);
+  if (!exif.fraction.empty()) AddExifText(data, 0x9291, exif.fraction);
+  if (!exif.offset.empty()) AddExifText(data, 0x9011, exif.offset);
+  return TakeSegment(data);
+}
+
+/// An APP1 segment that tells the shutter time.
+inline Bytes MakeShutterSegment(unsigned numerator, unsigned denominator) {
+  ExifData* data = exif_data_new();
+  exif_data_set_byte_order(data, EXIF_BYTE_ORDER_INTEL);
+  ExifEntry* entry = exif_entry_new();
+  exif_content_add_entry(data->ifd[EXIF_IFD_EXIF], entry);
+  exif_entry_initialize(entry, EXIF_TAG_EXPOSURE_TIME);
+  exif_set_rational(entry->data, EXIF_BYTE_ORDER_INTEL, {numerator, denominator});
+  exif_entry_unref(entry);
+  return TakeSegment(data);
+}
+
+/// A real picture: level `grey`, 0 black to 255 white, with a slant of a few levels.
+inline Bytes MakeGreyJpeg(int width_px, int height_px, int grey = 128, const Bytes& segment = {}) {
+  std::vector<std::uint8_t> pixels;
+  for (int i = 0; i < width_px * height_px; ++i) {
+    pixels.push_back(static_cast<std::uint8_t>(std::clamp(grey + i % width_px / 16, 0, 255)));
+  }
+  tjhandle encoder = tjInitCompress();
+  unsigned char* coded = nullptr;
+  unsigned long size = 0;
+  tjCompress2(encoder, pixels.data(), width_px, 0, height_px, TJPF_GRAY, &coded, &size, TJSAMP_GRAY, 85, 0);
+  Bytes bytes(coded, coded + size);
+  tjFree(coded);
+  tjDestroy(encoder);
+  bytes.insert(bytes.begin() + 2, segment.begin(), segment.end());
+  return bytes;
+}
+
+/// A file with the structure of a JPEG: it shows nothing.
 inline Bytes MakeTestJpeg(int width_px, int height_px, const Bytes& segment = {}) {
   Bytes bytes = {0xff, 0xd8};
   bytes.insert(bytes.end(), segment.begin(), segment.end());

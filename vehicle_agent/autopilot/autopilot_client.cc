@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 #include <utility>
 
+#include "vehicle_agent/autopilot/status_text.h"
 #include "vehicle_agent/mavlink/constants.h"
 
 namespace soffit {
@@ -21,6 +23,8 @@ constexpr double kAskStreamEvery_s = 2.0;
 constexpr double kHeartbeatEvery_s = 1.0;
 constexpr double kTimesyncEvery_s = 1.0;
 constexpr double kGimbalEvery_s = 1.0;
+constexpr double kAskGimbalEvery_s = 5.0;
+constexpr double kHomePatience_s = 5.0;
 constexpr double kOffboardWarmup_s = 1.0;  // PX4 takes OFFBOARD only when setpoints have been coming.
 constexpr double kComplaintLife_s = 40.0;  // ArduPilot repeats its PreArm texts every 30 s.
 constexpr std::int64_t kLostGimbal_ns = 2'000'000'000;
@@ -29,27 +33,6 @@ constexpr std::uint16_t kNeededEstimate = kEstimatorAttitude | kEstimatorVelocit
                                           kEstimatorVelocityVertical | kEstimatorPositionHorizontalAbsolute |
                                           kEstimatorPositionVerticalAbsolute;
 constexpr std::uint16_t kBadEstimate = kEstimatorConstantPosition | kEstimatorUninitialized;
-
-/// A message that the agent lives on, and how often it wants it; 0: once, by request.
-struct WantedMessage {
-  std::uint32_t id;
-  double rate_hz;
-};
-
-std::vector<WantedMessage> ListWantedMessages(Dialect dialect, bool has_gimbal, double pose_rate_hz) {
-  std::vector<WantedMessage> wanted = {
-      {LocalPositionNed::kId, pose_rate_hz},
-      {AttitudeQuaternion::kId, pose_rate_hz},
-      {SysStatus::kId, 2.0},
-      {GpsRawInt::kId, 2.0},
-      {ExtendedSysState::kId, 4.0},
-      {HomePosition::kId, 0.0},
-      {GpsGlobalOrigin::kId, 0.0},
-  };
-  wanted.push_back({dialect == Dialect::kPx4 ? EstimatorStatus::kId : EkfStatusReport::kId, 2.0});
-  if (has_gimbal) wanted.push_back({GimbalDeviceAttitudeStatus::kId, pose_rate_hz});
-  return wanted;
-}
 
 bool IsDue(const Instant& last, double every_s, const Instant& now) {
   return last.steady_ns == 0 || SecondsBetween(last, now) >= every_s;
@@ -66,6 +49,13 @@ Eigen::Quaterniond MakeQuaternion(double w, double x, double y, double z) {
 }
 
 bool IsRotation(const Eigen::Quaterniond& q) { return q.norm() > 0.5; }
+
+/// By how much a standard deviation grows when the sensors contradict the estimator: a ratio of 1 is the gate
+/// where they are rejected, usually 5 standard deviations; 2 are normal.
+double Inflation(double innovation_ratio) {
+  constexpr double kNormalRatio = 0.4;
+  return std::max(1.0, innovation_ratio / kNormalRatio);
+}
 
 std::string DescribeResult(std::uint8_t result) {
   switch (result) {
@@ -86,6 +76,17 @@ std::string Hex(std::uint16_t flags) {
   char text[16];
   std::snprintf(text, sizeof text, "0x%x", static_cast<unsigned>(flags));
   return text;
+}
+
+/// The gimbal protocol before GIMBAL_MANAGER: degrees, and the mode "aimed over MAVLink".
+CommandLong MakeMountControl(double pitch_rad, std::uint8_t target_system) {
+  constexpr float kAimedOverMavlink = 2.0F;
+  CommandLong command;
+  command.command = kCmdDoMountControl;
+  command.param1 = static_cast<float>(pitch_rad * 180.0 / std::numbers::pi);
+  command.param7 = kAimedOverMavlink;
+  command.target_system = target_system;
+  return command;
 }
 
 GeodeticOrigin MakeOrigin(std::int32_t lat_e7, std::int32_t lon_e7, std::int32_t alt_mm) {
@@ -119,6 +120,7 @@ bool AutopilotClient::TakeHeartbeat(const Frame& frame, Instant now) {
   if (target_system_ == 0) {
     target_system_ = frame.system_id;
     encoder_ = Encoder(target_system_, static_cast<std::uint8_t>(options_.component_id));
+    parameters_.Begin(dialect);
     Note("found " + std::string(ToString(dialect)) + ", system " + std::to_string(target_system_));
   }
   if (frame.system_id != target_system_) return true;
@@ -150,14 +152,20 @@ void AutopilotClient::TakeFromAutopilot(const Frame& frame, Instant now) {
   } else if (const auto ekf = Decode<EkfStatusReport>(frame)) {
     estimator_flags_ = ekf->flags;
     estimator_ratio_ = std::max({ekf->velocity_variance, ekf->pos_horiz_variance, ekf->pos_vert_variance});
+    compass_ratio_ = static_cast<double>(ekf->compass_variance);
   } else if (const auto estimator = Decode<EstimatorStatus>(frame)) {
     estimator_flags_ = estimator->flags;
     estimator_ratio_ =
         std::max({estimator->vel_ratio, estimator->pos_horiz_ratio, estimator->pos_vert_ratio});
+    compass_ratio_ = static_cast<double>(estimator->mag_ratio);
+    estimator_accuracy_m_ =
+        static_cast<double>(std::max(estimator->pos_horiz_accuracy, estimator->pos_vert_accuracy));
   } else if (const auto origin = Decode<GpsGlobalOrigin>(frame)) {
     frame_.SetLocalOrigin(MakeOrigin(origin->latitude, origin->longitude, origin->altitude));
   } else if (const auto home = Decode<HomePosition>(frame)) {
     frame_.SetHome(MakeOrigin(home->latitude, home->longitude, home->altitude));
+  } else if (const auto parameter = Decode<ParamValue>(frame)) {
+    parameters_.Take(*parameter);
   } else if (const auto ack = Decode<mavlink::CommandAck>(frame)) {
     const bool is_ours = ack->target_component == 0 || ack->target_component == options_.component_id;
     const auto ask = asks_.find(ack->command);
@@ -180,7 +188,7 @@ void AutopilotClient::TakeFromGimbal(const Frame& frame, Instant now) {
     if (!is_in_earth) ned_from_gimbal = turn(vehicle_yaw_rad, Eigen::Vector3d::UnitZ()) * ned_from_gimbal;
     time_boot_ms = status->time_boot_ms;
   } else if (const auto mount = Decode<MountOrientation>(frame)) {
-    const double deg = std::acos(-1.0) / 180.0;
+    const double deg = std::numbers::pi / 180.0;
     ned_from_gimbal = turn(vehicle_yaw_rad + mount->yaw * deg, Eigen::Vector3d::UnitZ()) *
                       turn(mount->pitch * deg, Eigen::Vector3d::UnitY()) *
                       turn(mount->roll * deg, Eigen::Vector3d::UnitX());
@@ -219,6 +227,8 @@ void AutopilotClient::ForgetAfterReboot() {
   estimator_flags_ = 0;
   passes_prearm_.reset();
   has_asked_to_land_ = false;
+  parameters_.Begin(dialect_);
+  has_told_parameters_ = false;
 }
 
 void AutopilotClient::TakePosition(const LocalPositionNed& message, Instant now) {
@@ -242,7 +252,9 @@ void AutopilotClient::TakeAttitude(const AttitudeQuaternion& message, Instant no
   map_from_body_ = MapFromBody(ned_from_frd);
   rotation_rate_radps_ = rates.norm();
   attitude_at_ = now;
-  if (utc_ns) poses_.AddAttitude(*utc_ns, map_from_body_);
+  if (!utc_ns) return;
+  poses_.AddAttitude(*utc_ns, map_from_body_);
+  poses_.AddRate(*utc_ns, rotation_rate_radps_);
 }
 
 void AutopilotClient::TakeBattery(std::int8_t percent) {
@@ -282,7 +294,7 @@ bool AutopilotClient::HasEstimate() const {
 
 bool AutopilotClient::TrustsPoses(Instant now) const {
   return HasPosition(now) && HasEstimate() && estimator_ratio_ <= options_.max_estimator_ratio &&
-         clock_.Uncertainty_ns().has_value();
+         estimator_accuracy_m_ <= options_.max_position_error_m && clock_.Uncertainty_ns().has_value();
 }
 
 std::optional<double> AutopilotClient::ClockUncertainty_s() const {
@@ -345,8 +357,8 @@ Telemetry AutopilotClient::Report(Instant now) const {
   telemetry.map_from_body = map_from_body_;
   telemetry.yaw_rad = YawOf(map_from_body_);
   telemetry.rotation_rate_radps = rotation_rate_radps_;
-  telemetry.position_std_m = options_.position_std_m;
-  telemetry.orientation_std_rad = options_.orientation_std_rad;
+  telemetry.position_std_m = options_.position_std_m * Inflation(estimator_ratio_);
+  telemetry.orientation_std_rad = options_.orientation_std_rad * Inflation(compass_ratio_);
   return telemetry;
 }
 
@@ -355,7 +367,7 @@ std::vector<std::string> AutopilotClient::TakeNotes() { return std::exchange(not
 // ---- What is asked of it ----
 
 std::vector<std::vector<std::uint8_t>> AutopilotClient::Pursue(const Intent& intent, Instant now) {
-  outbox_.clear();
+  outbox_ = std::exchange(announcing_, {});
   KeepContact(now);
   if (intent.order != order_) setpoint_sent_ = {};  // Said at once.
   order_ = intent.order;
@@ -365,7 +377,11 @@ std::vector<std::vector<std::uint8_t>> AutopilotClient::Pursue(const Intent& int
     intent_problem_.clear();
     asks_.clear();
   }
-  if (IsConnected(now)) AskForMessages(now);
+  if (IsConnected(now)) {
+    AskForMessages(now);
+    AskForParameters(now);
+    SetMissingHome(now);
+  }
   if (target_system_ != 0) {  // Also when it is silent: it may hear us.
     switch (intent.kind) {
       case Intent::Kind::kNone:
@@ -406,8 +422,34 @@ void AutopilotClient::KeepContact(Instant now) {
   }
 }
 
+bool AutopilotClient::HasComeOnce(std::uint32_t message_id) const {
+  const auto found = arrivals_.find(message_id);
+  return found != arrivals_.end() && !found->second.IsEmpty();
+}
+
+std::vector<AutopilotClient::WantedMessage> AutopilotClient::ListWantedMessages() const {
+  std::vector<WantedMessage> wanted = {
+      {LocalPositionNed::kId, options_.pose_rate_hz},
+      {AttitudeQuaternion::kId, options_.pose_rate_hz},
+      {SysStatus::kId, 2.0},
+      {GpsRawInt::kId, 2.0},
+      {ExtendedSysState::kId, 4.0},
+      {HomePosition::kId, 0.0},
+      {GpsGlobalOrigin::kId, 0.0},
+      {dialect_ == Dialect::kPx4 ? EstimatorStatus::kId : EkfStatusReport::kId, 2.0},
+  };
+  // A gimbal speaks the new protocol or the old one; both are asked for until one is heard.
+  const bool is_new = HasComeOnce(GimbalDeviceAttitudeStatus::kId);
+  const bool is_old = HasComeOnce(MountOrientation::kId);
+  if (has_gimbal_ && (is_new || !is_old)) {
+    wanted.push_back({GimbalDeviceAttitudeStatus::kId, options_.pose_rate_hz});
+  }
+  if (has_gimbal_ && !is_new) wanted.push_back({MountOrientation::kId, options_.pose_rate_hz});
+  return wanted;
+}
+
 void AutopilotClient::AskForMessages(Instant now) {
-  for (const WantedMessage& wanted : ListWantedMessages(dialect_, has_gimbal_, options_.pose_rate_hz)) {
+  for (const WantedMessage& wanted : ListWantedMessages()) {
     const bool is_single = wanted.rate_hz == 0.0;
     const Arrivals& arrivals = arrivals_[wanted.id];
     const bool is_coming =
@@ -423,6 +465,45 @@ void AutopilotClient::AskForMessages(Instant now) {
     request.target_system = target_system_;
     request.target_component = kComponentAutopilot;
     Send(request);
+  }
+}
+
+void AutopilotClient::AskForParameters(Instant now) {
+  if (const auto name = parameters_.FindNextToAsk(now)) {
+    ParamRequestRead request;
+    request.param_index = -1;
+    request.target_system = target_system_;
+    request.target_component = kComponentAutopilot;
+    request.param_id = ToTextField<16>(*name);
+    Send(request);
+  }
+  if (has_told_parameters_ || !parameters_.IsDone()) return;
+  has_told_parameters_ = true;
+  for (const std::string& problem : ListUnsafeParameters())
+    Note("unsafe parameter of the autopilot: " + problem);
+}
+
+/// Autopilots set home by themselves, as a rule; without it there is no map.
+void AutopilotClient::SetMissingHome(Instant now) {
+  const bool is_armed = (heartbeat_.base_mode & kModeFlagSafetyArmed) != 0;
+  const bool is_missing = HasEstimate() && frame_.HasLocalOrigin() && !frame_.origin() && !is_armed;
+  if (!is_missing) home_missing_since_ = now;
+  if (SecondsBetween(home_missing_since_, now) < kHomePatience_s) return;
+  home_missing_since_ = now;
+  Note("the autopilot has no home: setting it to where the vehicle is");
+  CommandLong set_home;
+  set_home.command = kCmdDoSetHome;
+  set_home.param1 = 1.0F;  // Here.
+  set_home.target_system = target_system_;
+  set_home.target_component = kComponentAutopilot;
+  Send(set_home);
+}
+
+void AutopilotClient::Announce(const std::string& text) {
+  ++announcements_;
+  if (announcements_ == 0) ++announcements_;
+  for (const Statustext& part : MakeStatusTexts("Soffit: " + text, kSeverityNotice, announcements_)) {
+    announcing_.push_back(encoder_.Encode(part));
   }
 }
 
@@ -531,6 +612,19 @@ void AutopilotClient::AimGimbal(const Intent& intent, Instant now) {
   if (!is_new && !IsDue(gimbal_sent_, kGimbalEvery_s, now)) return;
   gimbal_wanted_rad_ = intent.camera_pitch_rad;
   gimbal_sent_ = now;
+  if (HasComeOnce(MountOrientation::kId) && !HasComeOnce(GimbalDeviceAttitudeStatus::kId)) {
+    Send(MakeMountControl(*intent.camera_pitch_rad, target_system_));
+    return;
+  }
+  const auto control = asks_.find(kCmdDoGimbalManagerConfigure);
+  if (control == asks_.end() || !control->second.result) {  // Whoever aims has to be in control of it.
+    CommandLong configure;
+    configure.command = kCmdDoGimbalManagerConfigure;
+    configure.param1 = static_cast<float>(target_system_);
+    configure.param2 = static_cast<float>(options_.component_id);
+    configure.param3 = configure.param4 = -1.0F;  // The second in control: as it is.
+    SendCommand(configure, kAskGimbalEvery_s, now);
+  }
   GimbalManagerSetPitchyaw aim;
   aim.flags = kGimbalRollLock | kGimbalPitchLock;
   aim.pitch = static_cast<float>(*intent.camera_pitch_rad);

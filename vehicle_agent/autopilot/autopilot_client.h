@@ -10,6 +10,7 @@
 #include "shared/options/options.h"
 #include "vehicle_agent/autopilot/dialect.h"
 #include "vehicle_agent/autopilot/map_frame.h"
+#include "vehicle_agent/autopilot/parameter_watch.h"
 #include "vehicle_agent/mavlink/arrivals.h"
 #include "vehicle_agent/mavlink/codec.h"
 #include "vehicle_agent/pose/clock_offset.h"
@@ -30,6 +31,7 @@ struct AutopilotOptions {
   double position_std_m = 0.05;
   double orientation_std_rad = 0.01;
   double max_estimator_ratio = 1.0;
+  double max_position_error_m = 3.0;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& field) {
@@ -48,12 +50,18 @@ struct AutopilotOptions {
           OptionInfo{1.0, 300.0, "s", "Then the takeoff fails, with the reason that the autopilot gives"});
     field("reference_height_m", self.reference_height_m,
           OptionInfo{-2.0, 5.0, "m", "Height of the vehicle's centre over ground when the autopilot says 0"});
-    field("position_std_m", self.position_std_m,
-          OptionInfo{0.0, 10.0, "m", "Of the reported position, per axis, within one flight"});
-    field("orientation_std_rad", self.orientation_std_rad,
-          OptionInfo{0.0, 0.5, "rad", "Of the reported attitude, per axis"});
+    field(
+        "position_std_m", self.position_std_m,
+        OptionInfo{0.0, 10.0, "m",
+                   "Of the reported position, per axis, within one flight; more when the sensors contradict "
+                   "the estimator"});
+    field(
+        "orientation_std_rad", self.orientation_std_rad,
+        OptionInfo{0.0, 0.5, "rad", "Of the reported attitude, per axis; more when the compass contradicts"});
     field("max_estimator_ratio", self.max_estimator_ratio,
           OptionInfo{0.1, 10.0, "", "Innovation test ratio of the estimator: above, poses are not trusted"});
+    field("max_position_error_m", self.max_position_error_m,
+          OptionInfo{0.01, 100.0, "m", "The same for the error that PX4's estimator expects of itself"});
   }
 };
 
@@ -80,10 +88,25 @@ class AutopilotClient {
   bool TrustsPoses(Instant now) const;  ///< The estimator is well, and the clocks are tied.
   std::optional<double> ClockUncertainty_s() const;
 
+  /// A line for the pilot's ground station, which the autopilot passes on.
+  void Announce(const std::string& text);
+
+  /// Whether the autopilot's parameters were read, and which of them are not safe.
+  bool KnowsParameters() const { return target_system_ != 0 && parameters_.IsDone(); }
+  std::vector<std::string> ListUnsafeParameters() const {
+    return FindUnsafeParameters(dialect_, parameters_.values());
+  }
+
   /// What the autopilot told people since the last call, and what was noticed about it.
   std::vector<std::string> TakeNotes();
 
  private:
+  /// A message that the agent lives on, and how often it wants it; 0: once, by request.
+  struct WantedMessage {
+    std::uint32_t id;
+    double rate_hz;
+  };
+
   struct Ask {
     Instant sent;
     bool was_sent = false;
@@ -110,6 +133,10 @@ class AutopilotClient {
 
   void KeepContact(Instant now);
   void AskForMessages(Instant now);
+  void AskForParameters(Instant now);
+  void SetMissingHome(Instant now);
+  std::vector<WantedMessage> ListWantedMessages() const;
+  bool HasComeOnce(std::uint32_t message_id) const;
   void PursueTakeOff(const Intent& intent, Instant now);
   void PursueFlyTo(const Intent& intent, Instant now);
   void PursueLand(Instant now);
@@ -127,6 +154,7 @@ class AutopilotClient {
   bool has_gimbal_;
   mavlink::Encoder encoder_;
   std::vector<std::vector<std::uint8_t>> outbox_;
+  std::vector<std::vector<std::uint8_t>> announcing_;
   std::vector<std::string> notes_;
 
   Dialect dialect_ = Dialect::kUnknown;
@@ -139,10 +167,17 @@ class AutopilotClient {
   std::uint8_t gps_fix_ = 0;
   std::uint16_t estimator_flags_ = 0;
   double estimator_ratio_ = 0.0;
+  double compass_ratio_ = 0.0;
+  double estimator_accuracy_m_ = 0.0;  ///< 0: not told.
   std::optional<bool> passes_prearm_;
   double battery_ratio_ = -1.0;
   std::string complaint_;
   Instant complaint_at_;
+
+  ParameterWatch parameters_;
+  bool has_told_parameters_ = false;
+  std::uint16_t announcements_ = 0;
+  Instant home_missing_since_;
 
   MapFrame frame_;
   ClockOffset clock_;

@@ -20,6 +20,7 @@ using std::chrono::steady_clock;
 
 constexpr std::size_t kMaxPictureBytes = 64u << 20;
 constexpr std::chrono::milliseconds kLook(50);  // Between two looks at what the pipeline tells.
+constexpr std::int64_t kClockTolerance_ns = 50'000'000;
 constexpr const char* kSinkName = "soffit_picture";
 
 std::int64_t NowUtc_ns() {
@@ -230,9 +231,17 @@ Result<Picture> MakePicture(std::vector<std::uint8_t> bytes, std::int64_t arriva
                         " pixels, the configuration says " + std::to_string(options.width_px) + " x " +
                         std::to_string(options.height_px));
   }
+  if (const std::string problem = FindExposureProblem(bytes); !problem.empty()) return InvalidInput(problem);
   const auto latency_ns = static_cast<std::int64_t>(options.latency_s * 1e9);
-  const std::int64_t exposure_utc_ns = FindExposureTime(bytes).value_or(arrival_utc_ns - latency_ns);
-  return Picture{std::move(bytes), exposure_utc_ns};
+  const auto oldest_ns = arrival_utc_ns - latency_ns - static_cast<std::int64_t>(options.timeout_s * 1e9);
+  const std::optional<std::int64_t> told_ns = FindExposureTime(bytes);
+  const bool is_ours = !told_ns || (*told_ns >= oldest_ns && *told_ns <= arrival_utc_ns + kClockTolerance_ns);
+  Picture picture;
+  picture.exposure_utc_ns = told_ns.value_or(arrival_utc_ns - latency_ns);
+  picture.shutter_s = FindShutterTime(bytes).value_or(options.shutter_s);
+  picture.has_trusted_time = is_ours;
+  picture.bytes = std::move(bytes);
+  return picture;
 }
 
 Result<std::unique_ptr<CameraDevice>> OpenCamera(const CameraOptions& options) {

@@ -18,6 +18,8 @@ struct CameraOptions {
   std::string folder;
   bool is_stream = false;
   double latency_s = 0.1;
+  double shutter_s = 0.02;
+  double max_blur_px = 5.0;
   double timeout_s = 10.0;
   int width_px = 1280;
   int height_px = 960;
@@ -41,6 +43,10 @@ struct CameraOptions {
     field("latency_s", self.latency_s,
           OptionInfo{0.0, 10.0, "s",
                      "From exposure to arrival, where EXIF does not tell the time of exposure"});
+    field("shutter_s", self.shutter_s,
+          OptionInfo{1e-6, 10.0, "s", "How long the shutter is open, where EXIF does not tell"});
+    field("max_blur_px", self.max_blur_px,
+          OptionInfo{0.1, 100.0, "px", "A picture during which the vehicle turned by more is taken again"});
     field("timeout_s", self.timeout_s, OptionInfo{0.1, 120.0, "s", "For one picture"});
     field("width_px", self.width_px, OptionInfo{16, 20000, "px", ""});
     field("height_px", self.height_px, OptionInfo{16, 20000, "px", ""});
@@ -63,6 +69,8 @@ Result<Intrinsics> MakeIntrinsics(const CameraOptions& options);
 struct Picture {
   std::vector<std::uint8_t> bytes;  ///< A whole JPEG of the camera's size.
   std::int64_t exposure_utc_ns = 0;
+  double shutter_s = 0.0;
+  bool has_trusted_time = false;  ///< False: it was told by a clock that is not ours.
 };
 
 /// Takes pictures. For one thread.
@@ -79,8 +87,9 @@ class CameraDevice {
 /// not tried.
 Result<std::unique_ptr<CameraDevice>> OpenCamera(const CameraOptions& options);
 
-/// A picture of the bytes: checked to be whole and of the camera's size, stamped by EXIF or else by arrival
-/// and latency.
+/// A picture of the bytes: checked to be whole, of the camera's size, neither black nor white; stamped by
+/// EXIF, or else by arrival and latency. An EXIF time after the arrival, or before it by more than latency
+/// and timeout, was told by a clock that is not ours.
 Result<Picture> MakePicture(std::vector<std::uint8_t> bytes, std::int64_t arrival_utc_ns,
                             const CameraOptions& options);
 

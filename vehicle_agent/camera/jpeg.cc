@@ -1,6 +1,7 @@
 #include "vehicle_agent/camera/jpeg.h"
 
 #include <libexif/exif-data.h>
+#include <turbojpeg.h>
 
 #include <algorithm>
 #include <cctype>
@@ -9,6 +10,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace soffit {
 namespace {
@@ -31,6 +33,14 @@ std::size_t SkipScan(std::span<const std::uint8_t> bytes, std::size_t at) {
     if (bytes[at] == 0xff && next != 0x00 && next != 0xff && !(next >= 0xd0 && next <= 0xd7)) return at;
   }
   return bytes.size();
+}
+
+using OwnedExif = std::unique_ptr<ExifData, decltype(&exif_data_unref)>;
+
+OwnedExif ReadExif(std::span<const std::uint8_t> jpeg) {
+  const bool is_readable = jpeg.size() <= std::numeric_limits<unsigned>::max();
+  return {is_readable ? exif_data_new_from_data(jpeg.data(), static_cast<unsigned>(jpeg.size())) : nullptr,
+          &exif_data_unref};
 }
 
 std::string ReadText(ExifData& data, ExifTag tag) {
@@ -118,9 +128,7 @@ Result<JpegInfo> CheckJpeg(std::span<const std::uint8_t> bytes) {
 }
 
 std::optional<std::int64_t> FindExposureTime(std::span<const std::uint8_t> jpeg) {
-  if (jpeg.size() > std::numeric_limits<unsigned>::max()) return std::nullopt;
-  const std::unique_ptr<ExifData, decltype(&exif_data_unref)> data(
-      exif_data_new_from_data(jpeg.data(), static_cast<unsigned>(jpeg.size())), &exif_data_unref);
+  const OwnedExif data = ReadExif(jpeg);
   if (!data) return std::nullopt;
   constexpr auto kOffsetTimeOriginal = static_cast<ExifTag>(0x9011);
   const auto local_s = ParseDateTime_s(ReadText(*data, EXIF_TAG_DATE_TIME_ORIGINAL));
@@ -128,6 +136,50 @@ std::optional<std::int64_t> FindExposureTime(std::span<const std::uint8_t> jpeg)
   if (!local_s || !offset_s) return std::nullopt;
   return (*local_s - *offset_s) * 1'000'000'000 +
          ParseFraction_ns(ReadText(*data, EXIF_TAG_SUB_SEC_TIME_ORIGINAL));
+}
+
+std::optional<double> FindShutterTime(std::span<const std::uint8_t> jpeg) {
+  const OwnedExif data = ReadExif(jpeg);
+  if (!data) return std::nullopt;
+  const ExifEntry* entry = exif_content_get_entry(data->ifd[EXIF_IFD_EXIF], EXIF_TAG_EXPOSURE_TIME);
+  if (entry == nullptr || entry->format != EXIF_FORMAT_RATIONAL || entry->size < 8) return std::nullopt;
+  const ExifRational time = exif_get_rational(entry->data, exif_data_get_byte_order(data.get()));
+  const double time_s = static_cast<double>(time.numerator) / static_cast<double>(time.denominator);
+  constexpr double kLongest_s = 60.0;
+  if (!(time_s > 0.0 && time_s <= kLongest_s)) return std::nullopt;
+  return time_s;
+}
+
+std::string FindExposureProblem(std::span<const std::uint8_t> jpeg) {
+  constexpr tjscalingfactor kEighth = {1, 8};
+  constexpr double kShare = 0.05;  // Of the pixels, that may be brighter, or darker.
+  constexpr std::size_t kDark = 24;
+  constexpr std::size_t kBright = 232;
+  const std::unique_ptr<void, decltype(&tjDestroy)> decoder(tjInitDecompress(), &tjDestroy);
+  int width_px = 0;
+  int height_px = 0;
+  int sampling = 0;
+  int colors = 0;
+  const auto size = static_cast<unsigned long>(jpeg.size());
+  if (tjDecompressHeader3(decoder.get(), jpeg.data(), size, &width_px, &height_px, &sampling, &colors) != 0) {
+    return std::string("the picture cannot be decoded: ") + tjGetErrorStr2(decoder.get());
+  }
+  const int small_width_px = TJSCALED(width_px, kEighth);
+  const int small_height_px = TJSCALED(height_px, kEighth);
+  std::vector<std::uint8_t> grey(static_cast<std::size_t>(small_width_px) *
+                                 static_cast<std::size_t>(small_height_px));
+  const int flags = TJFLAG_FASTDCT | TJFLAG_STOPONWARNING;
+  if (tjDecompress2(decoder.get(), jpeg.data(), size, grey.data(), small_width_px, 0, small_height_px,
+                    TJPF_GRAY, flags) != 0) {
+    return std::string("the picture cannot be decoded: ") + tjGetErrorStr2(decoder.get());
+  }
+  const auto few = static_cast<std::ptrdiff_t>(kShare * static_cast<double>(grey.size()));
+  std::ranges::nth_element(grey, grey.begin() + few);
+  if (grey[static_cast<std::size_t>(few)] > kBright)
+    return "the picture is overexposed: nearly all of it is white";
+  std::ranges::nth_element(grey, grey.end() - 1 - few);
+  if (*(grey.end() - 1 - few) < kDark) return "the picture is underexposed: nearly all of it is black";
+  return {};
 }
 
 }  // namespace soffit

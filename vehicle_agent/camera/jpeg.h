@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "shared/result/result.h"
 
@@ -22,5 +23,13 @@ Result<JpegInfo> CheckJpeg(std::span<const std::uint8_t> bytes);
 /// OffsetTimeOriginal. None when one of the first and the last is missing or malformed: a local time without
 /// its offset says nothing.
 std::optional<std::int64_t> FindExposureTime(std::span<const std::uint8_t> jpeg);
+
+/// How long the shutter was open by the picture's EXIF data (ExposureTime), in seconds. None when it does not
+/// say so, or nonsense.
+std::optional<double> FindShutterTime(std::span<const std::uint8_t> jpeg);
+
+/// Decodes a picture that CheckJpeg found whole, at an eighth of its size, and says what makes it useless: it
+/// cannot be decoded, or it is black or white nearly everywhere. Empty: nothing does.
+std::string FindExposureProblem(std::span<const std::uint8_t> jpeg);
 
 }  // namespace soffit

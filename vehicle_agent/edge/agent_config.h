@@ -48,6 +48,7 @@ struct CameraSetOptions {
 struct AgentConfig {
   VehicleOptions vehicle;
   std::string mavlink = "udpin:127.0.0.1:14550";
+  std::string mavlink_key_file;
   double state_rate_hz = 10.0;
   double pose_wait_s = 0.5;
   double send_timeout_s = 20.0;
@@ -65,6 +66,11 @@ struct AgentConfig {
           OptionInfo{
               0, 0, "",
               "Link to the autopilot: udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD"});
+    field(
+        "mavlink_key_file", self.mavlink_key_file,
+        OptionInfo{0, 0, "",
+                   "64 hexadecimal digits: what is sent is signed, what is not signed is refused; empty: no "
+                   "signatures"});
     field("state_rate_hz", self.state_rate_hz,
           OptionInfo{2.0, 50.0, "Hz", "How often the vehicle's state is published"});
     field("pose_wait_s", self.pose_wait_s,

@@ -19,26 +19,30 @@ std::string Number(double value, int digits) {
 }
 
 bool CheckAutopilot(const AgentConfig& config, double timeout_s, const std::atomic<bool>& stop) {
-  Result<std::unique_ptr<mavlink::Link>> link = mavlink::OpenLink(config.mavlink);
-  if (!link.ok()) {
-    Print(false, "autopilot", link.error().message);
+  Result<AutopilotLine> opened = AutopilotLine::Open(config.mavlink, config.mavlink_key_file);
+  if (!opened.ok()) {
+    Print(false, "autopilot", opened.error().message);
     return false;
   }
+  AutopilotLine& line = opened.value();
   AutopilotClient autopilot(config.autopilot);
-  mavlink::FrameParser parser;
   const Instant began = ReadClocks();
   Telemetry telemetry;
   while (!stop && SecondsBetween(began, ReadClocks()) < timeout_s) {
-    for (const mavlink::Frame& frame : parser.Feed(link.value()->Receive(std::chrono::milliseconds(20)))) {
+    for (const mavlink::Frame& frame : line.Receive(std::chrono::milliseconds(20))) {
       autopilot.Receive(frame, ReadClocks());
     }
-    for (const auto& bytes : autopilot.Pursue({}, ReadClocks())) link.value()->Send(bytes);
+    for (auto& packet : autopilot.Pursue({}, ReadClocks())) line.Send(std::move(packet));
     telemetry = autopilot.Report(ReadClocks());
-    if (telemetry.is_connected && telemetry.not_ready.empty() && autopilot.ClockUncertainty_s()) break;
+    if (telemetry.is_connected && telemetry.not_ready.empty() && autopilot.ClockUncertainty_s() &&
+        autopilot.KnowsParameters()) {
+      break;
+    }
   }
   if (!telemetry.is_connected) {
     Print(false, "autopilot",
-          telemetry.not_ready + " on " + link.value()->Url() + " within " + Number(timeout_s, 0) + " s");
+          telemetry.not_ready + " on " + line.Url() + " within " + Number(timeout_s, 0) + " s" +
+              (line.refused_packet_count() > 0 ? ": its packets are not signed with our key" : ""));
     return false;
   }
   Print(true, "autopilot", telemetry.autopilot + ", mode " + telemetry.mode);
@@ -51,6 +55,7 @@ bool CheckAutopilot(const AgentConfig& config, double timeout_s, const std::atom
     Print(telemetry.battery_ratio >= config.guard.min_battery_ratio, "battery",
           Number(100.0 * telemetry.battery_ratio, 0) + " %");
   }
+  for (const std::string& problem : autopilot.ListUnsafeParameters()) Print(false, "failsafe", problem);
   return telemetry.not_ready.empty() && clock_s.has_value();
 }
 
@@ -69,7 +74,8 @@ bool CheckCamera(CameraId id, const CameraOptions& options) {
     return false;
   }
   const double age_s = ToSeconds(got.utc_ns - picture.value().exposure_utc_ns);
-  const bool is_timely = age_s >= -0.05 && age_s <= SecondsBetween(asked, got) + options.latency_s + 0.05;
+  const bool is_timely = picture.value().has_trusted_time && age_s >= -0.05 &&
+                         age_s <= SecondsBetween(asked, got) + options.latency_s + 0.05;
   Print(is_timely || !options.folder.empty(), name,
         std::to_string(picture.value().bytes.size() / 1024) + " KiB, exposed " + Number(age_s, 3) +
             " s before it arrived" + (is_timely ? "" : ": its clock or latency_s is wrong"));

@@ -1,7 +1,10 @@
 #include "vehicle_agent/edge/develop.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+
+#include "shared/result/say.h"
 
 namespace soffit {
 namespace {
@@ -18,7 +21,7 @@ Capture MakeCapture(const ExposureRequest& request, Picture picture, const Camer
                     const PoseBuffer& poses, const ExposureContext& context) {
   const Telemetry& telemetry = context.telemetry;
   std::optional<Pose<Map, Body>> map_from_body = poses.FindBody(picture.exposure_utc_ns);
-  bool is_trusted = map_from_body.has_value() && context.trusts_poses;
+  bool is_trusted = map_from_body.has_value() && context.trusts_poses && picture.has_trusted_time;
   if (!map_from_body) map_from_body = Pose<Map, Body>{telemetry.map_from_body, telemetry.position_in_map_m};
   const Pose<Body, Camera> mount = BodyFromCamera(options.mount);
 
@@ -43,6 +46,14 @@ Capture MakeCapture(const ExposureRequest& request, Picture picture, const Camer
       std::hypot(telemetry.orientation_std_rad, telemetry.rotation_rate_radps * context.clock_uncertainty_s);
   capture.bytes = std::move(picture.bytes);
   return capture;
+}
+
+std::string FindBlurProblem(const Picture& picture, const CameraOptions& options, const PoseBuffer& poses) {
+  const auto rate_radps = poses.FindRate_radps(picture.exposure_utc_ns);
+  if (!rate_radps) return {};
+  const double blur_px = *rate_radps * picture.shutter_s * std::max(options.fx_px, options.fy_px);
+  if (blur_px <= options.max_blur_px) return {};
+  return Say("the picture is blurred: the vehicle turned by ", blur_px, " px in ", picture.shutter_s, " s");
 }
 
 }  // namespace soffit

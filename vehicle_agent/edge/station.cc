@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "vehicle_agent/edge/develop.h"
 
@@ -26,19 +27,18 @@ Instant ReadClocks() {
 }
 
 Result<std::unique_ptr<Station>> Station::Open(const AgentConfig& config, std::uint64_t epoch) {
-  Result<std::unique_ptr<mavlink::Link>> link = mavlink::OpenLink(config.mavlink);
-  if (!link.ok()) return link.error();
+  Result<AutopilotLine> line = AutopilotLine::Open(config.mavlink, config.mavlink_key_file);
+  if (!line.ok()) return line.error();
   Result<Participant> radio =
       Participant::Join("soffit-agent " + config.vehicle.name, config.radio, MakeProblemLogger());
   if (!radio.ok()) return radio.error();
   return std::unique_ptr<Station>(
-      new Station(config, epoch, std::move(link).value(), std::move(radio).value()));
+      new Station(config, epoch, std::move(line).value(), std::move(radio).value()));
 }
 
-Station::Station(const AgentConfig& config, std::uint64_t epoch, std::unique_ptr<mavlink::Link> link,
-                 Participant radio)
+Station::Station(const AgentConfig& config, std::uint64_t epoch, AutopilotLine line, Participant radio)
     : config_(config),
-      link_(std::move(link)),
+      line_(std::move(line)),
       autopilot_(config.autopilot, IsPresent(config.cameras.gimbal)),
       agent_(MakeIdentity(config, epoch), config.agent, config.guard, ReadClocks()),
       radio_(std::move(radio)),
@@ -62,15 +62,14 @@ Station::Station(const AgentConfig& config, std::uint64_t epoch, std::unique_ptr
     health_.problems[id] = "was not tried yet";
   }
   Tell(health_, ReadClocks());
-  spdlog::info("vehicle {} '{}': MAVLink on {}, DDS domain {}", config.vehicle.id, config.vehicle.name,
-               link_->Url(), config.radio.domain_id);
+  spdlog::info("vehicle {} '{}': MAVLink on {}{}, DDS domain {}", config.vehicle.id, config.vehicle.name,
+               line_.Url(), line_.IsSigned() ? ", signed" : "", config.radio.domain_id);
   if (cameras_.empty()) spdlog::warn("no camera is configured: every look will be refused");
 }
 
 void Station::Run(const std::atomic<bool>& stop) {
   while (!stop) {
-    for (const mavlink::Frame& frame : parser_.Feed(link_->Receive(kBeat)))
-      autopilot_.Receive(frame, ReadClocks());
+    for (const mavlink::Frame& frame : line_.Receive(kBeat)) autopilot_.Receive(frame, ReadClocks());
     const Instant now = ReadClocks();
     OpenLetters(now);
     DevelopPictures(now);
@@ -82,7 +81,7 @@ void Station::Run(const std::atomic<bool>& stop) {
 void Station::ExchangeWithAutopilot(Instant now) {
   Tell(autopilot_.Report(now), now);
   Tell(Beat{}, now);
-  for (const auto& bytes : autopilot_.Pursue(agent_.intent(), now)) link_->Send(bytes);
+  for (auto& packet : autopilot_.Pursue(agent_.intent(), now)) line_.Send(std::move(packet));
   for (const std::string& note : autopilot_.TakeNotes()) spdlog::info("{}", note);
 }
 
@@ -120,19 +119,25 @@ void Station::DevelopPictures(Instant now) {
     return autopilot_.poses().newest_utc_ns() >= negative.taken.picture.value().exposure_utc_ns ||
            SecondsBetween(negative.since, now) > config_.pose_wait_s;
   };
+  const auto cameras = ListCameras(config_);
   for (Negative& negative : negatives_) {
     if (!is_due(negative)) continue;
-    const ExposureRequest& request = negative.taken.request;
+    const ExposureRequest request = std::exchange(negative.taken.request, {});
+    Picture picture = std::move(negative.taken.picture).value();
+    const CameraOptions& camera =
+        *std::ranges::find(cameras, request.camera, [](const auto& entry) { return entry.first; })->second;
+    const std::string blur = FindBlurProblem(picture, camera, autopilot_.poses());
+    if (!blur.empty()) {
+      Tell(PictureOutcome{request.request_id, blur}, now);
+      continue;
+    }
+    if (!picture.has_trusted_time)
+      spdlog::warn("picture {}: its time is not of our clock", request.capture_id);
     const ExposureContext context{static_cast<std::uint32_t>(config_.vehicle.id), autopilot_.Report(now),
                                   autopilot_.TrustsPoses(now), autopilot_.ClockUncertainty_s().value_or(0.0)};
-    const auto cameras = ListCameras(config_);
-    const auto camera = std::find_if(cameras.begin(), cameras.end(),
-                                     [&](const auto& entry) { return entry.first == request.camera; });
-    Capture capture = MakeCapture(request, std::move(negative.taken.picture).value(), *camera->second,
-                                  autopilot_.poses(), context);
+    Capture capture = MakeCapture(request, std::move(picture), camera, autopilot_.poses(), context);
     if (!capture.has_trusted_pose) spdlog::warn("picture {}: its pose is not trusted", request.capture_id);
     sender_.Send(request.request_id, std::move(capture));
-    negative.taken.request.request_id = 0;
   }
   std::erase_if(negatives_, [](const Negative& negative) { return negative.taken.request.request_id == 0; });
 }
@@ -154,7 +159,10 @@ void Station::PublishState(Instant now) {
 void Station::Tell(const AgentEvent& event, Instant now) {
   const AgentOutputs outputs = agent_.Step(event, now);
   for (const CommandAck& ack : outputs.acks) acks_.Write(ack);
-  for (const std::string& note : outputs.notes) spdlog::info("{}", note);
+  for (const std::string& note : outputs.notes) {
+    spdlog::info("{}", note);
+    autopilot_.Announce(note);
+  }
   if (outputs.exposure) cameras_.at(outputs.exposure->camera)->Ask(*outputs.exposure);
 }
 

@@ -12,10 +12,10 @@
 #include "vehicle_agent/agent/agent.h"
 #include "vehicle_agent/autopilot/autopilot_client.h"
 #include "vehicle_agent/edge/agent_config.h"
+#include "vehicle_agent/edge/autopilot_line.h"
 #include "vehicle_agent/edge/camera_post.h"
 #include "vehicle_agent/edge/mailbox.h"
 #include "vehicle_agent/edge/picture_sender.h"
-#include "vehicle_agent/mavlink/link.h"
 
 namespace soffit {
 
@@ -36,8 +36,7 @@ class Station {
     Instant since;
   };
 
-  Station(const AgentConfig& config, std::uint64_t epoch, std::unique_ptr<mavlink::Link> link,
-          Participant radio);
+  Station(const AgentConfig& config, std::uint64_t epoch, AutopilotLine line, Participant radio);
 
   void ExchangeWithAutopilot(Instant now);
   void OpenLetters(Instant now);
@@ -52,8 +51,7 @@ class Station {
   void Tell(const AgentEvent& event, Instant now);
 
   AgentConfig config_;
-  std::unique_ptr<mavlink::Link> link_;
-  mavlink::FrameParser parser_;
+  AutopilotLine line_;
   AutopilotClient autopilot_;
   Agent agent_;
   Mailbox mailbox_;

@@ -1,5 +1,7 @@
 #include "vehicle_agent/pose/pose_buffer.h"
 
+#include <cmath>
+
 namespace soffit {
 namespace {
 
@@ -20,6 +22,12 @@ std::optional<Pose<Map, Body>> PoseBuffer::FindBody(std::int64_t utc_ns) const {
   if (!position || !attitude) return std::nullopt;
   return Pose<Map, Body>{*attitude,
                          position->before + position->share * (position->after - position->before)};
+}
+
+std::optional<double> PoseBuffer::FindRate_radps(std::int64_t utc_ns) const {
+  const auto rate = rates_.Find(utc_ns, kMaxGap_ns);
+  if (!rate) return std::nullopt;
+  return std::lerp(rate->before, rate->after, rate->share);
 }
 
 std::optional<Eigen::Quaterniond> PoseBuffer::FindGimbal(std::int64_t utc_ns) const {

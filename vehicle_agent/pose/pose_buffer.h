@@ -60,6 +60,7 @@ class PoseBuffer {
   void AddAttitude(std::int64_t utc_ns, const Eigen::Quaterniond& map_from_body) {
     attitudes_.Add(utc_ns, map_from_body);
   }
+  void AddRate(std::int64_t utc_ns, double rate_radps) { rates_.Add(utc_ns, rate_radps); }
   void AddGimbal(std::int64_t utc_ns, const Eigen::Quaterniond& map_from_gimbal) {
     gimbals_.Add(utc_ns, map_from_gimbal);
   }
@@ -71,6 +72,9 @@ class PoseBuffer {
   /// Attitude of the gimbal's camera platform (FLU, x along the optical axis).
   std::optional<Eigen::Quaterniond> FindGimbal(std::int64_t utc_ns) const;
 
+  /// How fast the body turned. None as for FindBody.
+  std::optional<double> FindRate_radps(std::int64_t utc_ns) const;
+
   /// Up to this moment poses can be found; 0: not at all.
   std::int64_t newest_utc_ns() const {
     return std::min(positions_.newest_utc_ns(), attitudes_.newest_utc_ns());
@@ -79,6 +83,7 @@ class PoseBuffer {
  private:
   TimeSeries<Eigen::Vector3d> positions_;
   TimeSeries<Eigen::Quaterniond> attitudes_;
+  TimeSeries<double> rates_;
   TimeSeries<Eigen::Quaterniond> gimbals_;
 };
 

@@ -236,6 +236,15 @@ TEST(ArduPilotSetpoints, FlyElevenMetresInFourAndAHalfSeconds) {
   EXPECT_NEAR(YawOf(flight.vehicle.state().map_from_body), M_PI / 2.0 - 1.0, 0.01);
 }
 
+TEST(ArduPilotSetpoints, AreHeldForEverWhenTheyArePositions) {
+  TestFlight flight = Airborne(5.0F);
+  flight.GoTo(3, 0, -5);  // Once.
+  flight.Run(120.0);
+  EXPECT_EQ(flight.autopilot->ModeName(), "GUIDED");
+  EXPECT_NEAR(flight.position_m().y(), 3.0, 0.3);
+  EXPECT_NEAR(flight.height_m(), 5.0, 0.2);
+}
+
 TEST(ArduPilotSetpoints, AreFollowedTwoMetresBehindWhenTheyMove) {
   TestFlight flight = Airborne(5.0F);
   float north_m = 0.0F;

@@ -81,6 +81,15 @@ TEST(Px4, TakesOffToAHeightAboveTheSeaAndLands) {
   EXPECT_TRUE(flight.RunUntil([&] { return !flight.autopilot->is_armed(); }, 20.0).has_value());
 }
 
+TEST(Px4, DisarmsAfterTenSecondsOnTheGround) {
+  TestFlight flight = Ready();
+  EXPECT_THAT(flight.Command(kCmdComponentArmDisarm, {1}), Optional(Eq(kResultAccepted)));
+  flight.Run(9.0);
+  EXPECT_TRUE(flight.autopilot->is_armed());
+  flight.Run(2.0);
+  EXPECT_FALSE(flight.autopilot->is_armed());
+}
+
 TEST(Px4, RefusesToArmBeforeItKnowsWhereItIs) {
   TestFlight flight(MakePx4({GeodeticOrigin{47.4, 8.5, 488.0}}));
   flight.Run(5.0);

@@ -3,15 +3,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <numbers>
+#include <tuple>
 
 #include "test/support/fake_autopilot.h"
+#include "vehicle_agent/autopilot/status_text.h"
 
 namespace soffit {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -152,6 +156,31 @@ TEST(AutopilotClient, ArmsInTheRightOrderAndWaitsForTheHeight) {
   }
   EXPECT_EQ(order, (std::vector<std::uint16_t>{mavlink::kCmdDoSetMode, mavlink::kCmdComponentArmDisarm,
                                                mavlink::kCmdNavTakeoff}));
+}
+
+TEST(AutopilotClient, RepeatsACommandUntilTheAutopilotDoesIt) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.autopilot.is_deaf = true;
+  talk.TakeOff(5.0);
+  EXPECT_NEAR(talk.CountCommands(mavlink::kCmdDoSetMode), 15, 1);  // Once a second.
+  talk.autopilot.is_deaf = false;
+  talk.Run(15.0);
+  EXPECT_NEAR(talk.Report().position_in_map_m.z(), 5.0, 0.3);
+  talk.autopilot.is_deaf = true;
+  const int asked = talk.CountCommands(mavlink::kCmdDoSetMode);
+  talk.intent.kind = Intent::Kind::kLand;
+  talk.Run(5.0);
+  EXPECT_NEAR(talk.CountCommands(mavlink::kCmdDoSetMode) - asked, 5, 1);
+}
+
+TEST(AutopilotClient, SaysWhichCommandAPlainlyDeafAutopilotDoesNotDo) {
+  Talk talk;
+  talk.Run(4.0);
+  talk.autopilot.is_deaf = true;
+  talk.TakeOff(5.0);
+  talk.Run(16.0);
+  EXPECT_EQ(talk.Report().intent_problem, "the autopilot does not enter its command mode");
 }
 
 TEST(AutopilotClient, TellsWhyTheAutopilotDoesNotArm) {
@@ -358,6 +387,82 @@ TEST(AutopilotClient, AimsTheGimbalThatItHas) {
   }
 }
 
+TEST(AutopilotClient, TakesControlOfAGimbalBeforeItAimsIt) {
+  Talk talk(mavlink::kAutopilotPx4, true);
+  talk.Run(4.0);
+  talk.intent.kind = Intent::Kind::kFlyTo;
+  talk.intent.camera_pitch_rad = -0.7;
+  talk.Run(20.0);
+  ASSERT_EQ(talk.CountCommands(mavlink::kCmdDoGimbalManagerConfigure), 1);
+  for (const auto& command : talk.autopilot.commands) {
+    if (command.command != mavlink::kCmdDoGimbalManagerConfigure) continue;
+    EXPECT_EQ(command.param1, 1.0F);
+    EXPECT_EQ(command.param2, 191.0F);
+  }
+}
+
+TEST(AutopilotClient, AimsAGimbalOfTheOlderProtocol) {
+  Talk talk(mavlink::kAutopilotArduPilot, true);
+  talk.autopilot.has_old_mount = true;
+  talk.Run(4.0);
+  talk.TakeOff(5.0);
+  talk.intent.camera_pitch_rad = -0.5;
+  talk.FlyTo({1.0, 0.0, 5.0}, 0.0);
+  ASSERT_TRUE(talk.Report().gimbal_pitch_rad.has_value());
+  EXPECT_NEAR(*talk.Report().gimbal_pitch_rad, -0.5, 1e-3);
+  EXPECT_THAT(talk.autopilot.gimbal_aims, IsEmpty());
+}
+
+TEST(AutopilotClient, SetsAHomeThatIsMissing) {
+  Talk talk;
+  talk.autopilot.has_home = false;
+  talk.Run(4.0);
+  EXPECT_EQ(talk.CountCommands(mavlink::kCmdDoSetHome), 0);  // It may still come by itself.
+  EXPECT_THAT(talk.Report().not_ready, HasSubstr("home"));
+  talk.Run(8.0);
+  EXPECT_EQ(talk.CountCommands(mavlink::kCmdDoSetHome), 1);
+  EXPECT_THAT(talk.Report().not_ready, IsEmpty());
+}
+
+TEST(AutopilotClient, TellsThePilotsGroundStationWhatGoesOn) {
+  Talk talk;
+  talk.Run(2.0);
+  talk.client.Announce("command 3 (fly_corridor) failed: 0.31 m beside the corridor's line");
+  talk.client.Announce("short");
+  talk.Run(0.1);
+  ASSERT_EQ(talk.autopilot.texts.size(), 3U);
+  const auto& [first, second, third] =
+      std::tie(talk.autopilot.texts[0], talk.autopilot.texts[1], talk.autopilot.texts[2]);
+  EXPECT_EQ(mavlink::TextOf(first.text) + mavlink::TextOf(second.text),
+            "Soffit: command 3 (fly_corridor) failed: 0.31 m beside the corridor's line");
+  EXPECT_EQ(first.id, second.id);
+  EXPECT_NE(first.id, 0);
+  EXPECT_EQ(second.chunk_seq, 1);
+  EXPECT_EQ(mavlink::TextOf(third.text), "Soffit: short");
+  EXPECT_EQ(third.id, 0);
+}
+
+TEST(MakeStatusTexts, EndsATextOfWholePartsWithAnEmptyOne) {
+  EXPECT_EQ(MakeStatusTexts(std::string(50, 'a'), 5, 7).size(), 1U);
+  const auto parts = MakeStatusTexts(std::string(100, 'a'), 5, 7);
+  ASSERT_EQ(parts.size(), 3U);
+  EXPECT_EQ(mavlink::TextOf(parts[2].text), "");
+  EXPECT_THAT(MakeStatusTexts("", 5, 7), IsEmpty());
+}
+
+TEST(AutopilotClient, ReportsUnsafeParametersOnce) {
+  Talk talk;
+  talk.autopilot.parameters = {{"FS_EKF_ACTION", 1.0F},   {"FS_THR_ENABLE", 1.0F}, {"FS_GCS_ENABLE", 0.0F},
+                               {"BATT_FS_LOW_ACT", 1.0F}, {"FENCE_ACTION", 1.0F},  {"FENCE_ENABLE", 0.0F}};
+  talk.Run(20.0);
+  EXPECT_TRUE(talk.client.KnowsParameters());
+  EXPECT_THAT(talk.client.ListUnsafeParameters(), ElementsAre(HasSubstr("FS_THR_ENABLE is 1: the pilot's")));
+  EXPECT_EQ(std::ranges::count_if(
+                talk.notes,
+                [](const std::string& note) { return note.find("unsafe parameter") != std::string::npos; }),
+            1);
+}
+
 TEST(AutopilotClient, AsksAgainWhenAnotherStationHasSlowedAStreamDown) {
   Talk talk;
   talk.Run(5.0);
@@ -437,6 +542,31 @@ TEST(AutopilotClient, DoesNotTrustPosesWithoutATimeBase) {
   talk.Run(5.0);
   EXPECT_FALSE(talk.client.TrustsPoses(talk.now));
   EXPECT_TRUE(talk.Report().has_position);
+}
+
+TEST(AutopilotClient, ExpectsGreaterErrorsWhenTheSensorsContradictTheEstimator) {
+  for (const mavlink::Autopilot make : {mavlink::kAutopilotArduPilot, mavlink::kAutopilotPx4}) {
+    Talk talk(make);
+    talk.Run(4.0);
+    EXPECT_NEAR(talk.Report().position_std_m, 0.05, 1e-9);
+    talk.autopilot.estimator_ratio = 0.8F;
+    talk.Run(1.0);
+    EXPECT_NEAR(talk.Report().position_std_m, 0.10, 1e-6);
+    EXPECT_NEAR(talk.Report().orientation_std_rad, 0.02, 1e-6);
+    EXPECT_TRUE(talk.client.TrustsPoses(talk.now));
+    talk.autopilot.estimator_ratio = 1.1F;
+    talk.Run(1.0);
+    EXPECT_FALSE(talk.client.TrustsPoses(talk.now));
+  }
+}
+
+TEST(AutopilotClient, DoesNotTrustPosesOfWhichTheEstimatorExpectsGreatErrors) {
+  Talk talk(mavlink::kAutopilotPx4);
+  talk.Run(4.0);
+  EXPECT_TRUE(talk.client.TrustsPoses(talk.now));
+  talk.autopilot.estimator_accuracy_m = 3.1F;
+  talk.Run(1.0);
+  EXPECT_FALSE(talk.client.TrustsPoses(talk.now));
 }
 
 TEST(AutopilotClient, InterpolatesThePoseOfAMoment) {

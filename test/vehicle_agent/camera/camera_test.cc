@@ -109,13 +109,60 @@ TEST(FindExposureTime, GivesNothingRatherThanAGuess) {
 TEST(MakePicture, TakesTheTimeOfArrivalLessTheLatencyWithoutExif) {
   CameraOptions options = SmallCamera();
   options.latency_s = 0.25;
-  const auto picture = MakePicture(MakeTestJpeg(64, 48), 10'000'000'000, options);
+  const auto picture = MakePicture(MakeGreyJpeg(64, 48), 10'000'000'000, options);
   ASSERT_TRUE(picture.ok());
   EXPECT_EQ(picture.value().exposure_utc_ns, 9'750'000'000);
 }
 
+TEST(MakePicture, TrustsOnlyAClockThatIsOurs) {
+  const auto trusts = [](std::int64_t exposed_before_arrival_ns) {
+    const Bytes jpeg = MakeGreyJpeg(64, 48, 128, MakeExifSegment({"2026:11:22 05:00:00", "", "+00:00"}));
+    const auto picture =
+        MakePicture(jpeg, kMoment_s * 1'000'000'000 + exposed_before_arrival_ns, SmallCamera());
+    EXPECT_EQ(picture.value().exposure_utc_ns, kMoment_s * 1'000'000'000);
+    return picture.value().has_trusted_time;
+  };
+  EXPECT_TRUE(trusts(0));
+  EXPECT_TRUE(trusts(2'000'000'000));
+  EXPECT_FALSE(trusts(-100'000'000));       // Exposed after it arrived.
+  EXPECT_FALSE(trusts(3'600'000'000'000));  // An hour ago.
+  EXPECT_TRUE(MakePicture(MakeGreyJpeg(64, 48), 1, SmallCamera()).value().has_trusted_time);
+}
+
+TEST(MakePicture, ReadsHowLongTheShutterWasOpen) {
+  const auto shutter_s = [](const Bytes& segment) {
+    return MakePicture(MakeGreyJpeg(64, 48, 128, segment), 1, SmallCamera()).value().shutter_s;
+  };
+  EXPECT_NEAR(shutter_s(MakeShutterSegment(1, 250)), 0.004, 1e-9);
+  EXPECT_NEAR(shutter_s(MakeShutterSegment(1, 0)), 0.02, 1e-9);  // Nonsense: what the configuration says.
+  EXPECT_NEAR(shutter_s({}), 0.02, 1e-9);
+}
+
+TEST(MakePicture, RefusesWhatIsBlackWhiteOrCannotBeDecoded) {
+  const auto problem = [](const Bytes& jpeg) {
+    const auto picture = MakePicture(jpeg, 1, SmallCamera());
+    return picture.ok() ? "" : picture.error().message;
+  };
+  EXPECT_THAT(problem(MakeGreyJpeg(64, 48, 0)), HasSubstr("underexposed"));
+  EXPECT_THAT(problem(MakeGreyJpeg(64, 48, 253)), HasSubstr("overexposed"));
+  EXPECT_EQ(problem(MakeGreyJpeg(64, 48, 40)), "");
+  EXPECT_EQ(problem(MakeGreyJpeg(64, 48, 215)), "");
+  EXPECT_THAT(problem(MakeTestJpeg(64, 48)), HasSubstr("cannot be decoded"));
+}
+
+TEST(FindExposureProblem, SurvivesRandomDamage) {
+  std::mt19937 random(7);
+  const Bytes whole = MakeGreyJpeg(64, 48);
+  for (int i = 0; i < 5000; ++i) {
+    Bytes jpeg = whole;
+    for (int k = 0; k < 3; ++k) jpeg[random() % jpeg.size()] = static_cast<std::uint8_t>(random());
+    (void)MakePicture(jpeg, 1, SmallCamera());
+    (void)FindShutterTime(jpeg);
+  }
+}
+
 TEST(MakePicture, RefusesAPictureOfAnotherSizeThanTheLensWasCalibratedFor) {
-  const auto picture = MakePicture(MakeTestJpeg(32, 48), 1, SmallCamera());
+  const auto picture = MakePicture(MakeGreyJpeg(32, 48), 1, SmallCamera());
   ASSERT_FALSE(picture.ok());
   EXPECT_THAT(picture.error().message, HasSubstr("32 x 48"));
 }
@@ -123,26 +170,26 @@ TEST(MakePicture, RefusesAPictureOfAnotherSizeThanTheLensWasCalibratedFor) {
 TEST(SnapshotCamera, TakesOnePictureAfterAnother) {
   const TemporaryFolder folder;
   CameraOptions options = SmallCamera();
-  options.pipeline = "filesrc blocksize=50 location=" + folder.Write("a.jpg", MakeTestJpeg(64, 48));
+  options.pipeline = "filesrc blocksize=50 location=" + folder.Write("a.jpg", MakeGreyJpeg(64, 48));
   auto camera = OpenCamera(options);
   ASSERT_TRUE(camera.ok()) << camera.error().message;
   for (int i = 0; i < 3; ++i) {
     const auto picture = camera.value()->Take();
     ASSERT_TRUE(picture.ok()) << picture.error().message;
-    EXPECT_EQ(picture.value().bytes, MakeTestJpeg(64, 48));
+    EXPECT_EQ(picture.value().bytes, MakeGreyJpeg(64, 48));
   }
 }
 
 TEST(SnapshotCamera, RecoversAfterABrokenPicture) {
   const TemporaryFolder folder;
-  Bytes half = MakeTestJpeg(64, 48);
+  Bytes half = MakeGreyJpeg(64, 48);
   half.resize(half.size() / 2);
   CameraOptions options = SmallCamera();
   options.pipeline = "filesrc location=" + folder.Write("a.jpg", half);
   auto camera = OpenCamera(options);
   ASSERT_TRUE(camera.ok());
   EXPECT_THAT(camera.value()->Take().error().message, HasSubstr("cut off"));
-  folder.Write("a.jpg", MakeTestJpeg(64, 48));
+  folder.Write("a.jpg", MakeGreyJpeg(64, 48));
   EXPECT_TRUE(camera.value()->Take().ok());
 }
 
@@ -180,7 +227,7 @@ TEST(StreamCamera, GivesAPictureThatWasExposedAfterTheCall) {
   CameraOptions options = SmallCamera();
   options.is_stream = true;
   options.latency_s = 0.0;
-  options.pipeline = "multifilesrc loop=true location=" + folder.Write("a.jpg", MakeTestJpeg(64, 48));
+  options.pipeline = "multifilesrc loop=true location=" + folder.Write("a.jpg", MakeGreyJpeg(64, 48));
   auto camera = OpenCamera(options);
   ASSERT_TRUE(camera.ok()) << camera.error().message;
   const auto before = std::chrono::system_clock::now().time_since_epoch();
@@ -192,8 +239,8 @@ TEST(StreamCamera, GivesAPictureThatWasExposedAfterTheCall) {
 
 TEST(FolderCamera, TakesPicturesInTheOrderOfTheirNamesUntilNoneIsLeft) {
   const TemporaryFolder folder;
-  folder.Write("b.jpg", MakeTestJpeg(64, 48, MakeExifSegment({"2026:11:22 05:00:01", "", "+00:00"})));
-  folder.Write("a.jpg", MakeTestJpeg(64, 48, MakeExifSegment({"2026:11:22 05:00:00", "", "+00:00"})));
+  folder.Write("b.jpg", MakeGreyJpeg(64, 48, 128, MakeExifSegment({"2026:11:22 05:00:01", "", "+00:00"})));
+  folder.Write("a.jpg", MakeGreyJpeg(64, 48, 128, MakeExifSegment({"2026:11:22 05:00:00", "", "+00:00"})));
   folder.Write("readme.txt", {});
   CameraOptions options = SmallCamera();
   options.folder = folder.path();

@@ -143,8 +143,8 @@ TEST(MakeCapture, TakesThePoseOfTheExposureAndTheMount) {
   CameraOptions options;
   options.mount.forward_m = 0.2;
   const ExposureRequest request{1, CameraId::kForward, 3, 12, Purpose::kWall};
-  const Capture capture =
-      MakeCapture(request, {{1, 2, 3}, kExposure_ns + 10'000'000}, options, SteadyFlight(), GoodContext());
+  const Capture capture = MakeCapture(request, {{1, 2, 3}, kExposure_ns + 10'000'000, 0.01, true}, options,
+                                      SteadyFlight(), GoodContext());
   EXPECT_TRUE(capture.has_trusted_pose);
   EXPECT_LT((capture.map_from_camera.translation_m - Eigen::Vector3d(0.05, 0.2, 2.0)).norm(),
             1e-9);  // Facing north.
@@ -157,29 +157,49 @@ TEST(MakeCapture, TakesThePoseOfTheExposureAndTheMount) {
 }
 
 TEST(MakeCapture, AddsWhatTheClocksErrorMeansAtThisSpeed) {
-  const Capture capture = MakeCapture({}, {{}, kExposure_ns}, {}, SteadyFlight(), GoodContext());
+  const Capture capture = MakeCapture({}, {{}, kExposure_ns, 0.01, true}, {}, SteadyFlight(), GoodContext());
   EXPECT_NEAR(capture.position_std_m, 0.05, 1e-9);  // 3 cm, and 2 m/s for 20 ms.
   EXPECT_NEAR(capture.orientation_std_rad, 0.01, 1e-9);
 }
 
 TEST(MakeCapture, DoesNotTrustAPoseThatIsNotThereOrThatTheEstimatorDoubts) {
-  const Capture late = MakeCapture({}, {{}, kExposure_ns + 1'000'000'000}, {}, SteadyFlight(), GoodContext());
+  const Capture late =
+      MakeCapture({}, {{}, kExposure_ns + 1'000'000'000, 0.01, true}, {}, SteadyFlight(), GoodContext());
   EXPECT_FALSE(late.has_trusted_pose);
   EXPECT_EQ(late.map_from_camera.translation_m.x(), 9.0);
   ExposureContext doubtful = GoodContext();
   doubtful.trusts_poses = false;
-  EXPECT_FALSE(MakeCapture({}, {{}, kExposure_ns}, {}, SteadyFlight(), doubtful).has_trusted_pose);
+  EXPECT_FALSE(
+      MakeCapture({}, {{}, kExposure_ns, 0.01, true}, {}, SteadyFlight(), doubtful).has_trusted_pose);
+}
+
+TEST(MakeCapture, DoesNotTrustTheTimeOfAClockThatIsNotOurs) {
+  EXPECT_FALSE(
+      MakeCapture({}, {{}, kExposure_ns, 0.01, false}, {}, SteadyFlight(), GoodContext()).has_trusted_pose);
+}
+
+TEST(FindBlurProblem, SeesHowFarTheVehicleTurnedWhileTheShutterWasOpen) {
+  PoseBuffer poses;
+  poses.AddRate(kExposure_ns - 10'000'000, 0.2);
+  poses.AddRate(kExposure_ns + 10'000'000, 0.4);
+  const auto find = [&](double shutter_s) {
+    return FindBlurProblem({{}, kExposure_ns, shutter_s, true}, {}, poses);
+  };
+  EXPECT_EQ(find(0.019), "");
+  EXPECT_THAT(find(0.021), HasSubstr("turned by 5.3"));  // 0.3 rad/s, 850 px.
+  EXPECT_EQ(FindBlurProblem({{}, 2 * kExposure_ns, 1.0, true}, {}, poses), "");
 }
 
 TEST(MakeCapture, TakesAGimbalsAttitudeFromTheGimbal) {
   PoseBuffer poses = SteadyFlight();
   const ExposureRequest request{1, CameraId::kGimbal, 3, 12, Purpose::kTop};
-  EXPECT_FALSE(MakeCapture(request, {{}, kExposure_ns}, {}, poses, GoodContext()).has_trusted_pose);
+  EXPECT_FALSE(
+      MakeCapture(request, {{}, kExposure_ns, 0.01, true}, {}, poses, GoodContext()).has_trusted_pose);
   for (const std::int64_t t : {-50'000'000, 50'000'000}) {
     poses.AddGimbal(kExposure_ns + t,
                     Eigen::Quaterniond(Eigen::AngleAxisd(1.5707963267948966, Eigen::Vector3d::UnitY())));
   }
-  const Capture capture = MakeCapture(request, {{}, kExposure_ns}, {}, poses, GoodContext());
+  const Capture capture = MakeCapture(request, {{}, kExposure_ns, 0.01, true}, {}, poses, GoodContext());
   EXPECT_TRUE(capture.has_trusted_pose);
   EXPECT_LT((capture.map_from_camera.rotation * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitZ()).norm(),
             1e-9);

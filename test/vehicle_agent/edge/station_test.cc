@@ -90,7 +90,7 @@ class StationTest : public ::testing::Test {
   StationTest()
       : folder_(std::filesystem::temp_directory_path() / ("soffit_station_" + std::to_string(getpid()))) {
     std::filesystem::create_directories(folder_);
-    const Bytes jpeg = MakeTestJpeg(64, 48);
+    const Bytes jpeg = MakeGreyJpeg(64, 48);
     std::ofstream(folder_ / "a.jpg", std::ios::binary)
         .write(reinterpret_cast<const char*>(jpeg.data()), static_cast<std::streamsize>(jpeg.size()));
     config_.vehicle.id = 7;
@@ -139,7 +139,7 @@ TEST_F(StationTest, TakesOffLooksAndLandsOverTheBus) {
   ASSERT_TRUE(ack.has_value());
   EXPECT_EQ(ack->status, AckStatus::kDone) << ack->reason;
   ASSERT_EQ(service.Captures().size(), 1U);
-  EXPECT_EQ(service.Captures()[0].bytes, MakeTestJpeg(64, 48));
+  EXPECT_EQ(service.Captures()[0].bytes, MakeGreyJpeg(64, 48));
   EXPECT_TRUE(service.Captures()[0].has_trusted_pose);
   EXPECT_NEAR(service.Captures()[0].map_from_camera.translation_m.x(), 1.0, 0.4);
   ack = service.Do(Make(CommandKind::kGoTo, {{900.0, 0.0, 2.0}}), 5.0);
