@@ -109,13 +109,13 @@ std::string DescribeRecognition(const std::vector<Match>& matches) {
 /// library's failure: the building stays unknown then.
 Result<Solid> ModelObject(const SceneObject& object, HorizontalViews& views, const PipelineOptions& options,
                           std::vector<Facade>& facades) try {
-  if (!object.is_matched) return RaiseSolid(object.footprint, {}, options.solid);
+  if (!object.is_matched) return RaiseSolid(object.footprint, {});
   const Alignment aligned = AlignSights(object.footprint, views.masks, views.sights, options.facade);
   std::vector<Facade> walls =
       ReadFacades(aligned.footprint, views.images, views.masks, aligned.sights, options.facade);
   views.sights = aligned.sights;
   facades.insert(facades.end(), walls.begin(), walls.end());
-  return RaiseSolid(aligned.footprint, walls, options.solid);
+  return RaiseSolid(aligned.footprint, walls);
 } catch (const std::exception& failure) {
   return Error{Error::Code::kInternal, failure.what()};
 }

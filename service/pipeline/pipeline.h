@@ -25,7 +25,6 @@ struct PipelineOptions {
   MatchOptions match;
   ViewpointOptions viewpoint;
   FacadeOptions facade;
-  SolidOptions solid;
   SceneOptions scene;
   CorridorOptions corridor;
   ClearanceOptions clearance;
@@ -39,7 +38,6 @@ struct PipelineOptions {
     field("match", self.match);
     field("viewpoint", self.viewpoint);
     field("facade", self.facade);
-    field("solid", self.solid);
     field("scene", self.scene);
     field("corridor", self.corridor);
     field("clearance", self.clearance);

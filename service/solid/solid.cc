@@ -204,7 +204,6 @@ struct Assembly {
     passage.length_m = way->length_m;
     passage.std_m = opening.std_m;
     passage.section_m = counterpart ? counterpart->section : opening.ring_in_wall_m;
-    passage.was_seen_from_both_sides = counterpart.has_value();
     passage.entry_opening = List(facade.side, opening.ring_in_wall_m, opening, true);
     listed[{facade.side, index}] = passage.entry_opening;
     const Wall other = WallOf(footprint.polygon_in_map_m.outer, way->side);
@@ -230,9 +229,7 @@ struct Assembly {
 
 }  // namespace
 
-Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades,
-                         const SolidOptions& options) {
-  SOFFIT_EXPECT(IsValidOptions(options));
+Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades) {
   const Polygon& polygon = footprint.polygon_in_map_m;
   if (polygon.outer.size() < 3 || !IsSimple(polygon.outer) || !(SignedArea(polygon.outer) > 0.0)) {
     return InvalidInput("the footprint is not a simple counter-clockwise polygon");

@@ -8,7 +8,6 @@
 #include "service/facade/facade.h"
 #include "service/footprint/footprint.h"
 #include "shared/geometry/polygon.h"
-#include "shared/options/options.h"
 #include "shared/result/result.h"
 
 namespace soffit {
@@ -36,9 +35,8 @@ struct Passage {
   std::size_t exit_opening = 0;
   Ring section_m;  ///< The common part of both mouths, or the larger when they differ; in coordinates of the
                    ///< entry wall, simple.
-  double length_m = 0.0;                  ///< Inside the building.
-  double std_m = 0.0;                     ///< Of the sides of `section_m`.
-  bool was_seen_from_both_sides = false;  ///< False: the far mouth was inferred from the near one.
+  double length_m = 0.0;  ///< Inside the building.
+  double std_m = 0.0;     ///< Of the sides of `section_m`.
 };
 
 /// Closed, oriented 2-manifold model of one building.
@@ -51,16 +49,6 @@ struct Solid {
   std::vector<int> unseen_walls;  ///< Nothing is known of openings in these.
 };
 
-struct SolidOptions {
-  double min_wall_m = 0.02;
-
-  template <class Self, class Visitor>
-  static void Visit(Self& self, Visitor&& field) {
-    field("min_wall_m", self.min_wall_m,
-          OptionInfo{0.0, 10.0, "m", "Thinner leftovers between openings are removed"});
-  }
-};
-
 /// The solid of one building: the footprint raised to its height, less its recesses and passages; in other
 /// words the common part of what the pictures show (paper, section 2.6). An error when the result is not a
 /// closed 2-manifold.
@@ -68,8 +56,7 @@ struct SolidOptions {
 /// A passage is cut where two openings that show something beyond lie opposite each other, or where one has a
 /// wall opposite that was not seen; an opening whose opposite wall was seen closed does not lead through,
 /// whatever is seen in it. A passage is a proposal: whether it is free is for the scene to say.
-Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades,
-                         const SolidOptions& options);
+Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades);
 
 /// Every edge has exactly two triangles in opposite directions, and the volume is positive.
 bool IsClosedManifold(const Mesh& mesh);

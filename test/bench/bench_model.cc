@@ -89,7 +89,7 @@ Solid MakeModel(const std::vector<Observation>& observations, const Footprint& w
   }
   const Alignment aligned = AlignSights(wanted, masks, sights, {});
   const std::vector<Facade> facades = ReadFacades(aligned.footprint, images, masks, aligned.sights, {});
-  return RaiseSolid(aligned.footprint, facades, {}).value();
+  return RaiseSolid(aligned.footprint, facades).value();
 }
 
 std::vector<Footprint> MakeMap(const std::vector<Observation>& observations) {

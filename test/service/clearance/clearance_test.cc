@@ -25,7 +25,7 @@ std::vector<ClearanceDecision> Judge(const Arch& arch, const std::vector<View>& 
   const auto seeing = test::Look(views, things);
   const Alignment aligned = AlignSights(arch.footprint(), seeing.masks, seeing.sights, {});
   const auto facades = ReadFacades(aligned.footprint, seeing.images, seeing.masks, aligned.sights, {});
-  const Solid solid = RaiseSolid(aligned.footprint, facades, {}).value();
+  const Solid solid = RaiseSolid(aligned.footprint, facades).value();
   SceneObject object;
   object.footprint = solid.footprint;
   object.is_matched = true;

@@ -48,7 +48,7 @@ Ring RoundHead(double left, double right, double spring) {
 }
 
 TEST(RaiseSolid, RaisesAFootprintToItsHeight) {
-  const auto solid = RaiseSolid(Building(kBlock), {}, {});
+  const auto solid = RaiseSolid(Building(kBlock), {});
   ASSERT_TRUE(solid.ok()) << solid.error().message;
   EXPECT_NEAR(solid.value().volume_m3, 12.0, 1e-9);
   EXPECT_TRUE(IsClosedManifold(solid.value().mesh));
@@ -59,11 +59,10 @@ TEST(RaiseSolid, CutsAPassageThatBothWallsShow) {
   auto facades = Closed(4);
   facades[0].openings = {Through({{1, 0}, {2.6, 0}, {2.6, 1.5}, {1, 1.5}})};
   facades[2].openings = {Through({{1.4, 0}, {3, 0}, {3, 1.5}, {1.4, 1.5}})};
-  const auto solid = RaiseSolid(Building(kBlock), facades, {});
+  const auto solid = RaiseSolid(Building(kBlock), facades);
   ASSERT_TRUE(solid.ok()) << solid.error().message;
   EXPECT_NEAR(solid.value().volume_m3, 12.0 - 1.6 * 1.5 * 1.5, 1e-6);
   ASSERT_THAT(solid.value().passages, SizeIs(1));
-  EXPECT_TRUE(solid.value().passages[0].was_seen_from_both_sides);
   EXPECT_EQ(solid.value().passages[0].exit_wall, 2);
 }
 
@@ -71,7 +70,7 @@ TEST(RaiseSolid, KeepsTheCommonPartOfMouthsThatAgree) {
   auto facades = Closed(4);
   facades[0].openings = {Through({{1, 0}, {2.6, 0}, {2.6, 1.5}, {1, 1.5}})};
   facades[2].openings = {Through({{1.42, 0}, {2.98, 0}, {2.98, 1.48}, {1.42, 1.48}})};
-  const auto solid = RaiseSolid(Building(kBlock), facades, {});
+  const auto solid = RaiseSolid(Building(kBlock), facades);
   ASSERT_TRUE(solid.ok());
   EXPECT_NEAR(solid.value().volume_m3, 12.0 - 1.56 * 1.48 * 1.5, 1e-6);
 }
@@ -80,7 +79,7 @@ TEST(RaiseSolid, TakesTheLargerOfMouthsThatDifferForSomethingBeyondHidesTheOther
   auto facades = Closed(4);
   facades[0].openings = {Through({{1, 0}, {2.6, 0}, {2.6, 1.5}, {1, 1.5}})};
   facades[2].openings = {Through({{2, 0}, {3, 0}, {3, 1.5}, {2, 1.5}})};
-  const auto solid = RaiseSolid(Building(kBlock), facades, {});
+  const auto solid = RaiseSolid(Building(kBlock), facades);
   ASSERT_TRUE(solid.ok());
   EXPECT_NEAR(solid.value().volume_m3, 12.0 - 1.6 * 1.5 * 1.5, 1e-6);
 }
@@ -88,7 +87,7 @@ TEST(RaiseSolid, TakesTheLargerOfMouthsThatDifferForSomethingBeyondHidesTheOther
 TEST(RaiseSolid, CutsNoPassageIntoAWallThatWasSeenClosed) {
   auto facades = Closed(4);
   facades[0].openings = {Through({{1, 0}, {2.6, 0}, {2.6, 1.5}, {1, 1.5}})};
-  const auto solid = RaiseSolid(Building(kBlock), facades, {});
+  const auto solid = RaiseSolid(Building(kBlock), facades);
   ASSERT_TRUE(solid.ok());
   EXPECT_THAT(solid.value().passages, IsEmpty());
   EXPECT_NEAR(solid.value().volume_m3, 12.0, 1e-9);
@@ -99,27 +98,27 @@ TEST(RaiseSolid, CutsARecessAsDeepAsItIs) {
   Opening niche = Through({{1, 0}, {2.6, 0}, {2.6, 1.5}, {1, 1.5}});
   niche.recess = Recess{{{1, 0}, {2.5, 0}, {2.5, 1.4}, {1, 1.4}}, 0.4, 0.01};
   facades[0].openings = {niche};
-  const auto solid = RaiseSolid(Building(kBlock), facades, {});
+  const auto solid = RaiseSolid(Building(kBlock), facades);
   ASSERT_TRUE(solid.ok());
   EXPECT_THAT(solid.value().passages, IsEmpty());
   EXPECT_NEAR(solid.value().volume_m3, 12.0 - 1.5 * 1.4 * 0.4, 1e-6);
 }
 
-TEST(RaiseSolid, TellsAPassageWhoseFarEndWasNotSeen) {
+TEST(RaiseSolid, ProposesAPassageToAWallThatWasNotSeen) {
   auto facades = Closed(4);
   facades[2].was_seen = false;
   facades[0].openings = {Through({{1, 0}, {2.6, 0}, {2.6, 1.5}, {1, 1.5}})};
-  const auto solid = RaiseSolid(Building(kBlock), facades, {});
+  const auto solid = RaiseSolid(Building(kBlock), facades);
   ASSERT_TRUE(solid.ok());
   ASSERT_THAT(solid.value().passages, SizeIs(1));
-  EXPECT_FALSE(solid.value().passages[0].was_seen_from_both_sides);
+  EXPECT_EQ(solid.value().passages[0].exit_wall, 2);
 }
 
 TEST(RaiseSolid, StaysClosedUnderARoundHead) {
   auto facades = Closed(4);
   facades[0].openings = {Through(RoundHead(1.0, 2.6, 0.8))};
   facades[2].openings = {Through(RoundHead(1.4, 3.0, 0.8))};
-  const auto solid = RaiseSolid(Building(kBlock), facades, {});
+  const auto solid = RaiseSolid(Building(kBlock), facades);
   ASSERT_TRUE(solid.ok()) << solid.error().message;
   EXPECT_TRUE(IsClosedManifold(solid.value().mesh));
   EXPECT_NEAR(solid.value().volume_m3, 12.0 - 1.5 * (1.6 * 0.8 + 0.5 * M_PI * 0.64), 0.02);
@@ -129,7 +128,7 @@ TEST(RaiseSolid, CutsATableFromCrossingPassages) {
   const Ring square = {{0, 0}, {3, 0}, {3, 3}, {0, 3}};
   auto facades = Closed(4);
   for (Facade& facade : facades) facade.openings = {Through({{0.3, 0}, {2.7, 0}, {2.7, 1.6}, {0.3, 1.6}})};
-  const auto solid = RaiseSolid(Building(square), facades, {});
+  const auto solid = RaiseSolid(Building(square), facades);
   ASSERT_TRUE(solid.ok()) << solid.error().message;
   EXPECT_TRUE(IsClosedManifold(solid.value().mesh));
   EXPECT_THAT(solid.value().passages, SizeIs(2));
@@ -141,7 +140,7 @@ TEST(RaiseSolid, CutsOneWingOfAnL) {
   auto facades = Closed(6);
   facades[0].openings = {Through({{2, 0}, {3.5, 0}, {3.5, 1.4}, {2, 1.4}})};
   facades[2].openings = {Through({{0.5, 0}, {2, 0}, {2, 1.4}, {0.5, 1.4}})};
-  const auto solid = RaiseSolid(Building(ell), facades, {});
+  const auto solid = RaiseSolid(Building(ell), facades);
   ASSERT_TRUE(solid.ok()) << solid.error().message;
   ASSERT_THAT(solid.value().passages, SizeIs(1));
   EXPECT_NEAR(solid.value().volume_m3, 6.0 * 2.0 - 1.5 * 1.4 * 1.0, 1e-6);
@@ -150,27 +149,27 @@ TEST(RaiseSolid, CutsOneWingOfAnL) {
 TEST(RaiseSolid, KeepsACourtyardOpen) {
   Footprint building = Building({{0, 0}, {4, 0}, {4, 4}, {0, 4}});
   building.polygon_in_map_m.holes = {{{1, 1}, {1, 3}, {3, 3}, {3, 1}}};
-  const auto solid = RaiseSolid(building, {}, {});
+  const auto solid = RaiseSolid(building, {});
   ASSERT_TRUE(solid.ok()) << solid.error().message;
   EXPECT_NEAR(solid.value().volume_m3, 12.0 * 2.0, 1e-6);
 }
 
 TEST(RaiseSolid, RefusesWhatIsNoBuilding) {
-  EXPECT_FALSE(RaiseSolid(Building({{0, 0}, {1, 0}}), {}, {}).ok());
-  EXPECT_FALSE(RaiseSolid(Building({{0, 0}, {1, 1}, {1, 0}, {0, 1}}), {}, {}).ok());
-  EXPECT_FALSE(RaiseSolid(Building({{0, 0}, {0, 1}, {1, 1}, {1, 0}}), {}, {}).ok());
+  EXPECT_FALSE(RaiseSolid(Building({{0, 0}, {1, 0}}), {}).ok());
+  EXPECT_FALSE(RaiseSolid(Building({{0, 0}, {1, 1}, {1, 0}, {0, 1}}), {}).ok());
+  EXPECT_FALSE(RaiseSolid(Building({{0, 0}, {0, 1}, {1, 1}, {1, 0}}), {}).ok());
 }
 
 TEST(RaiseSolid, NeedsAHeight) {
   Footprint building = Building(kBlock);
   building.height_m = 0.0;
-  const auto solid = RaiseSolid(building, {}, {});
+  const auto solid = RaiseSolid(building, {});
   ASSERT_FALSE(solid.ok());
   EXPECT_THAT(solid.error().message, HasSubstr("height"));
 }
 
 TEST(IsClosedManifold, RejectsAHoleAndATurnedFace) {
-  Mesh mesh = RaiseSolid(Building(kBlock), {}, {}).value().mesh;
+  Mesh mesh = RaiseSolid(Building(kBlock), {}).value().mesh;
   Mesh turned = mesh;
   std::swap(turned.triangles[0][0], turned.triangles[0][1]);
   EXPECT_FALSE(IsClosedManifold(turned));
