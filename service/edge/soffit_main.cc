@@ -9,6 +9,7 @@ int main(int argc, char** argv) try {
                "soffit");
   soffit::AddAnalyzeCommand(app);
   soffit::AddRecognizeCommand(app);
+  soffit::AddCompareCommand(app);
   soffit::AddReportCommand(app);
   soffit::AddMissionCommand(app);
   soffit::AddQueryCommand(app);

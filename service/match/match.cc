@@ -44,11 +44,10 @@ struct Shape {
   double side = 0.0;       ///< Square root of the area.
   double perimeter = 0.0;  ///< Over `side`, with holes.
   Profile profile{};
-  Word word;
 };
 
 void AddToProfile(const Ring& ring, const Vector2d& center, double area, Profile& profile) {
-  const double step = Perimeter(ring) / (8.0 * kSectors);
+  const double step = Perimeter(ring) / (4.0 * kSectors);
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Vector2d a = ring[i] - center;
     const Vector2d side = ring[(i + 1) % ring.size()] - ring[i];
@@ -83,9 +82,10 @@ Shape Describe(const TracedShape& traced) {
   };
   add(polygon.outer);
   std::for_each(polygon.holes.begin(), polygon.holes.end(), add);
-  shape.word = Spell(polygon.outer, kWordTolerance * shape.side);
   return shape;
 }
+
+Word SpellOuter(const Shape& shape) { return Spell(shape.polygon->outer, kWordTolerance * shape.side); }
 
 bool IsUsable(const TracedShape& shape) {
   const Polygon& polygon = shape.polygon;
@@ -154,11 +154,11 @@ std::vector<RotationCandidate> FindRotationsByProfile(const Shape& a, const Shap
 
 /// Rotations by which `a` may lie like `b`, likely ones first: what the words say, then what the profiles
 /// say. None when the shapes are too different.
-std::vector<double> FindRotations(const Shape& a, const Shape& b) {
+std::vector<double> FindRotations(const Shape& a, const Word& word_of_a, const Shape& b) {
   const std::vector<RotationCandidate> by_profile = FindRotationsByProfile(a, b);
   if (by_profile.empty()) return {};
   std::vector<RotationCandidate> rotations;
-  for (const WordAlignment& alignment : AlignWords(a.word, b.word)) {
+  for (const WordAlignment& alignment : AlignWords(word_of_a, SpellOuter(b))) {
     if (alignment.cost > kMaxWordCost) break;
     AddRotation(rotations, {alignment.rotation_ccw_rad, alignment.cost});
   }
@@ -203,8 +203,9 @@ class Matcher {
   std::vector<Pose2d> FindPoses() const {
     std::vector<Pose2d> poses;
     const std::size_t anchor = ChooseAnchor();
+    const Word word = SpellOuter(reference_[anchor]);
     for (std::size_t j = 0; j < map_.size(); ++j) {
-      for (const double rotation : FindRotations(reference_[anchor], map_[j])) {
+      for (const double rotation : FindRotations(reference_[anchor], word, map_[j])) {
         if (auto pose = LayReference(anchor, j, rotation)) poses.push_back(std::move(*pose));
       }
     }
@@ -214,12 +215,11 @@ class Matcher {
  private:
   /// The shape of the reference that tells most: large and with many sides.
   std::size_t ChooseAnchor() const {
-    const auto tells_less = [](const Shape& a, const Shape& b) {
-      return a.side * std::sqrt(static_cast<double>(a.word.size())) <
-             b.side * std::sqrt(static_cast<double>(b.word.size()));
-    };
-    return static_cast<std::size_t>(std::max_element(reference_.begin(), reference_.end(), tells_less) -
-                                    reference_.begin());
+    std::vector<double> telling;
+    for (const Shape& shape : reference_) {
+      telling.push_back(shape.side * std::sqrt(static_cast<double>(SpellOuter(shape).size())));
+    }
+    return static_cast<std::size_t>(std::max_element(telling.begin(), telling.end()) - telling.begin());
   }
 
   std::optional<Pose2d> LayReference(std::size_t anchor, std::size_t on, double rotation_ccw_rad) const {
@@ -351,13 +351,6 @@ std::vector<Match> FindMatches(const std::vector<TracedShape>& map, const Refere
     });
   }
   return matches;
-}
-
-double WordDistance(const Polygon& a, const Polygon& b) {
-  SOFFIT_EXPECT(IsUsable({a}) && IsUsable({b}));
-  const auto spell = [](const Polygon& p) { return Spell(p.outer, kWordTolerance * std::sqrt(Area(p))); };
-  const std::vector<WordAlignment> alignments = AlignWords(spell(a), spell(b));
-  return alignments.empty() ? 1.0 : alignments.front().cost;
 }
 
 }  // namespace soffit

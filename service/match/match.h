@@ -23,7 +23,7 @@ struct Reference {
 };
 
 /// The black shapes of a black-on-white bitmap as polygons, by decreasing area, in a y-up frame (x right, y =
-/// -row), unit pixel. Shapes and holes of less than `min_area_px` are left out. Pure.
+/// -row), unit pixel. Shapes of less than `min_area_px` are left out, and tiny holes. Pure.
 std::vector<TracedShape> ReadShapes(const cv::Mat1b& bitmap, double min_area_px);
 
 /// Reads a small black-on-white map. An error when it is all white, all black or has too many shapes.
@@ -60,9 +60,5 @@ struct MatchOptions {
 /// squares on the outline. A group is matched as a constellation of neighbours. `map` is y-up. Pure.
 std::vector<Match> FindMatches(const std::vector<TracedShape>& map, const Reference& reference,
                                const MatchOptions& options);
-
-/// Distance of the words of two shapes, >= 0, 0 for similar shapes; invariant to scale, rotation and starting
-/// corner.
-double WordDistance(const Polygon& a, const Polygon& b);
 
 }  // namespace soffit

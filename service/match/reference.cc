@@ -9,11 +9,13 @@
 namespace soffit {
 namespace {
 
-constexpr double kTolerance_px = 1.2;        ///< Of a clean bitmap.
+constexpr double kTolerance_px = 0.8;        ///< Of the polygons of a clean bitmap.
+constexpr double kLeastTolerance_px = 1.2;   ///< When roughness is measured: less explains noise by sides.
 constexpr double kMaxToleranceRatio = 0.12;  ///< Of the square root of the area.
 constexpr double kCorrelation_px = 4.0;      ///< Pixels along a boundary that err alike.
 constexpr double kPixelVariance = 1.0 / 12.0;
-constexpr double kMinShareOfLargest = 0.02;  ///< Smaller shapes are specks.
+constexpr double kMinHoleArea_px = 12.0;
+constexpr double kMinShareOfLargest = 0.004;  ///< Smaller shapes are specks.
 constexpr std::size_t kMaxReferenceShapes = 64;
 
 void Reflect(Ring& ring) {
@@ -29,7 +31,7 @@ double MeasureRoughness(const Ring& boundary) {
   const double independent = std::max(8.0, Perimeter(boundary) / kCorrelation_px);
   double roughness = 0.0;
   double least = std::numeric_limits<double>::infinity();
-  for (double tolerance_px = kTolerance_px; tolerance_px <= std::max(kTolerance_px, greatest_px);
+  for (double tolerance_px = kLeastTolerance_px; tolerance_px <= std::max(kLeastTolerance_px, greatest_px);
        tolerance_px *= 1.4) {
     const FittedRing fitted = FitRing(boundary, 1.0, tolerance_px);
     if (fitted.ring.empty()) continue;
@@ -50,8 +52,9 @@ std::vector<TracedShape> ReadShapes(const cv::Mat1b& bitmap, double min_area_px)
   cv::Mat1b black;
   cv::compare(bitmap, 128.0, black, cv::CMP_LT);
   std::vector<TracedShape> shapes;
-  for (const Region& region : TraceRegions(black, min_area_px)) {
+  for (const Region& region : TraceRegions(black, std::min(min_area_px, kMinHoleArea_px))) {
     const Polygon& boundary = region.boundary;
+    if (Area(boundary) < min_area_px) break;
     FittedRing outer = FitRing(boundary.outer, 1.0, kTolerance_px);
     if (outer.ring.empty()) continue;
     TracedShape shape{{std::move(outer.ring), {}}, MeasureRoughness(boundary.outer)};

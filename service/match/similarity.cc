@@ -136,43 +136,42 @@ Similarity Solve(const std::vector<Constraint>& constraints, double reach) {
   return result;
 }
 
-/// Greatest mean of signed distances over a stretch of a closed sequence.
-double GreatestStretchMean(const std::vector<double>& distances, std::size_t from, std::size_t count) {
-  const std::size_t width = std::max<std::size_t>(3, count / kStretches);
-  if (count < width) return 0.0;
+/// Greatest mean of `width` neighbouring signed distances of a closed sequence.
+double GreatestStretchMean(const std::vector<double>& distances, std::size_t width) {
+  const std::size_t count = distances.size();
   double sum = 0.0;
-  for (std::size_t k = 0; k < width; ++k) sum += distances[from + k];
+  for (std::size_t k = 0; k < width; ++k) sum += distances[k];
   double greatest = 0.0;
   for (std::size_t i = 0; i < count; ++i) {
     greatest = std::max(greatest, std::abs(sum) / static_cast<double>(width));
-    sum += distances[from + (i + width) % count] - distances[from + i];
+    sum += distances[(i + width) % count] - distances[i];
   }
   return greatest;
 }
 
-double OneWayMisfit(const Polygon& from, const Polygon& to, int count) {
-  const double side = SideLength(to);
+/// Of a ring from the rings of its kind; infinite when there are none.
+double GreatestDistance(const Ring& ring, bool is_hole, const Polygon& to, double step, int stretch) {
   std::vector<Sample> samples;
-  std::vector<std::size_t> starts;
-  const double length = Perimeter(from.outer);
-  const auto add = [&](const Ring& ring, bool is_on_hole) {
-    starts.push_back(samples.size());
-    SampleRing(ring, length / (2 * count), is_on_hole, samples);
-  };
-  add(from.outer, false);
-  for (const Ring& hole : from.holes) add(hole, true);
-  starts.push_back(samples.size());
+  SampleRing(ring, step, is_hole, samples);
   std::vector<double> distances;
   for (const Sample& s : samples) {
     const Foot foot = FindFoot(s, to);
-    const double sign = foot.outward.dot(s.point - foot.point) >= 0.0 ? 1.0 : -1.0;
-    distances.push_back(std::isfinite(foot.distance) ? sign * foot.distance : side);
+    if (!std::isfinite(foot.distance)) return foot.distance;
+    distances.push_back(foot.outward.dot(s.point - foot.point) >= 0.0 ? foot.distance : -foot.distance);
   }
-  double greatest = 0.0;
-  for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
-    greatest = std::max(greatest, GreatestStretchMean(distances, starts[i], starts[i + 1] - starts[i]));
+  return GreatestStretchMean(distances, std::min(static_cast<std::size_t>(stretch), samples.size() / 2));
+}
+
+/// A hole that `to` lacks is filled by moving its sides by half of its width.
+double OneWayMisfit(const Polygon& from, const Polygon& to, int count) {
+  const double step = Perimeter(from.outer) / (2 * count);
+  const int stretch = std::max(3, 2 * count / kStretches);
+  double greatest = GreatestDistance(from.outer, false, to, step, stretch);
+  for (const Ring& hole : from.holes) {
+    const double half_width = std::abs(SignedArea(hole)) / Perimeter(hole);
+    greatest = std::max(greatest, std::min(half_width, GreatestDistance(hole, true, to, step, stretch)));
   }
-  return greatest / side;
+  return greatest / SideLength(to);
 }
 
 }  // namespace

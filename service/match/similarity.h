@@ -39,8 +39,9 @@ Similarity RefineSimilarity(const std::vector<ShapePair>& pairs, const Similarit
                             const Effort& effort = {});
 
 /// How far two outlines lie apart, after `similarity`, as a share of the square root of the target's area:
-/// the greatest mean distance, to one side, along any stretch of one sixteenth of either outline. Noise
-/// averages out in it, a side that lies elsewhere does not.
+/// the greatest mean distance, to one side, along any stretch of one sixteenth of either outer ring. Noise
+/// averages out in it, a side that lies elsewhere does not. A hole that the other shape lacks counts by its
+/// width.
 double Misfit(const ShapePair& pair, const Similarity& similarity, const Effort& effort = {});
 
 }  // namespace soffit

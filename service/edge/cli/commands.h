@@ -11,6 +11,7 @@ namespace soffit {
 void AddAnalyzeCommand(CLI::App& app);
 void AddReportCommand(CLI::App& app);
 void AddRecognizeCommand(CLI::App& app);
+void AddCompareCommand(CLI::App& app);
 void AddMissionCommand(CLI::App& app);
 void AddQueryCommand(CLI::App& app);
 void AddDoctorCommand(CLI::App& app);

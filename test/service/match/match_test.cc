@@ -119,6 +119,16 @@ TEST(FindMatches, TellsHolesApart) {
   EXPECT_THAT(of_offset[0].equivalent_rotations_cw_rad, SizeIs(1));
 }
 
+TEST(FindMatches, ForgivesAHoleTooNarrowToBeDrawn) {
+  const auto with_slit = [](double width) {
+    return Polygon{kT, {{{18, 14}, {18, 30}, {18 + width, 30}, {18 + width, 14}}}};
+  };
+  EXPECT_THAT(Find({Shape(kT)}, {with_slit(0.3)}), SizeIs(1));
+  EXPECT_THAT(Find({with_slit(0.3)}, {Shape(kT)}), SizeIs(1));
+  EXPECT_THAT(Find({Shape(kT)}, {with_slit(4.0)}), IsEmpty());
+  EXPECT_THAT(Find({with_slit(4.0)}, {Shape(kT)}), IsEmpty());
+}
+
 TEST(FindMatches, FindsAGroupAmongIdenticalBoxes) {
   const std::vector<Polygon> group = {Laid(1, 0, 0, 0) * Shape(kBox), Laid(1, 0.5, 70, 10) * Shape(kBox),
                                       Laid(1, 1.3, 20, 90) * Shape(kBox)};
@@ -180,20 +190,6 @@ TEST(FindMatches, GivesTheSameForTheSame) {
   }
 }
 
-TEST(WordDistance, IsZeroForSimilarShapesWhereverTheyStart) {
-  Ring shifted = kT;
-  std::rotate(shifted.begin(), shifted.begin() + 3, shifted.end());
-  EXPECT_NEAR(WordDistance(Shape(kT), Laid(3.0, 1.2, 4, 5) * Shape(shifted)), 0.0, 1e-6);
-}
-
-TEST(WordDistance, IsGreaterForStrangersThanForTwins) {
-  Ring twin = kL;
-  twin[4].y() = twin[5].y() = 36;
-  const double to_twin = WordDistance(Shape(kL), Shape(twin));
-  EXPECT_GT(to_twin, 0.01);
-  EXPECT_LT(to_twin, WordDistance(Shape(kL), Shape(kT)));
-}
-
 TEST(AlignWords, ForgivesASplitSide) {
   Ring split = kBox;
   split.insert(split.begin() + 1, Eigen::Vector2d(14, -1.5));
@@ -232,6 +228,14 @@ TEST(ReadReference, DropsSpecks) {
   const auto reference = ReadReference(bitmap);
   ASSERT_TRUE(reference.ok());
   EXPECT_THAT(reference.value().shapes, SizeIs(1));
+}
+
+TEST(ReadReference, KeepsTheShedBesideAHall) {
+  const auto reference = ReadReference(
+      Bitmap({{{20, 10}, {279, 10}, {279, 189}, {20, 189}}, {{300, 20}, {319, 20}, {319, 34}, {300, 34}}},
+             {340, 200}));
+  ASSERT_TRUE(reference.ok());
+  EXPECT_THAT(reference.value().shapes, SizeIs(2));
 }
 
 TEST(ReadReference, RefusesEmptyWhiteBlackAndCrowdedBitmaps) {
