@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "service/clearance/contact.h"
 #include "service/clearance/look.h"
@@ -20,15 +19,6 @@ constexpr double kTiny_m = 1e-9;
 std::string InMetres(double value) { return Say(value, " m"); }
 
 std::string Place(const Eigen::Vector3d& p) { return Say("(", p.x(), ", ", p.y(), ", ", p.z(), ")"); }
-
-double Turn(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
-  return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
-}
-
-bool Crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
-             const Eigen::Vector2d& d) {
-  return Turn(a, b, c) * Turn(a, b, d) < 0.0 && Turn(c, d, a) * Turn(c, d, b) < 0.0;
-}
 
 const Solid* FindSolid(const Scene& scene, std::uint32_t object_id) {
   for (const Solid& solid : scene.solids) {
@@ -135,15 +125,8 @@ std::optional<std::string> Judge::FindNeighbourInTheWay(const Corridor& corridor
   const Eigen::Vector2d to = corridor.exit_in_map_m.head<2>();
   for (const SceneObject& object : scene.objects) {
     if (FindSolid(scene, object.footprint.object_id) != nullptr) continue;
-    const Ring& ring = object.footprint.polygon_in_map_m.outer;
-    bool meets = Contains(ring, from) || Contains(ring, to);
-    for (std::size_t i = 0; i < ring.size() && !meets; ++i) {
-      const Eigen::Vector2d& next = ring[(i + 1) % ring.size()];
-      meets = DistanceToSegment(ring[i], from, to) < keep_m ||
-              DistanceToSegment(from, ring[i], next) < keep_m ||
-              DistanceToSegment(to, ring[i], next) < keep_m || Crosses(from, to, ring[i], next);
-    }
-    if (meets) return "building " + std::to_string(object.footprint.object_id) + " stands in the way";
+    if (DistanceToSegment(object.footprint.polygon_in_map_m.outer, from, to) >= keep_m) continue;
+    return "building " + std::to_string(object.footprint.object_id) + " stands in the way";
   }
   return std::nullopt;
 }
@@ -211,12 +194,9 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
     return decision;
   }
   if (!(decision.seen_ratio >= options.min_seen_ratio) || sweep.voxels == 0) {
-    std::ostringstream text;
-    text.precision(3);
-    text << 100.0 * decision.seen_ratio << " % of the corridor was seen free";
+    decision.reason = Say(100.0 * (1.0 - decision.seen_ratio), " % of the corridor was not seen free");
     if (!sweep.unknown_m.empty())
-      text << ", not so at " << Place(sweep.unknown_m[sweep.unknown_m.size() / 2]);
-    decision.reason = text.str();
+      decision.reason += ", as at " + Place(sweep.unknown_m[sweep.unknown_m.size() / 2]);
     decision.wanted = PlanLook(scene, corridor, sweep.unknown_m, sights, vehicle);
     return decision;
   }

@@ -37,7 +37,7 @@ void Errands::Look(const Viewpoint& view) {
 }
 
 void Errands::GoHome() {
-  const Eigen::Vector3d home(0.0, 0.0, TransitAltitude_m());
+  const Eigen::Vector3d home(0.0, 0.0, TransitAltitude_m(Eigen::Vector2d::Zero()));
   Send(FlyTo(CommandKind::kGoTo, WayTo(home), m_.vehicle->yaw_rad, options_.transit_speed_mps));
 }
 
@@ -47,7 +47,8 @@ void Errands::GoToEntry(const Corridor& corridor) {
   std::vector<Eigen::Vector3d> path;
   if (!is_there) path = WayTo(place);
   path.push_back(corridor.entry_in_map_m);
-  Send(FlyTo(CommandKind::kGoTo, std::move(path), HeadingOf(corridor), options_.corridor_speed_mps));
+  Send(FlyTo(CommandKind::kGoTo, std::move(path), HeadingOf(corridor),
+             is_there ? options_.corridor_speed_mps : options_.transit_speed_mps));
 }
 
 void Errands::FlyThrough(const ClearanceDecision& leave, std::int64_t valid_until_utc_ns) {
@@ -79,14 +80,15 @@ FlightCommand Errands::FlyTo(CommandKind kind, std::vector<Eigen::Vector3d> path
   return command;
 }
 
-double Errands::TransitAltitude_m() const {
+double Errands::TransitAltitude_m(const Eigen::Vector2d& to) const {
   static const std::vector<Footprint> kNothing;
-  return TransitAltitude(m_.findings ? m_.findings->map : kNothing, m_.vehicle->envelope,
-                         options_.transit_clearance_m, views_.Overview().position_in_map_m.z());
+  return TransitAltitude(m_.findings ? m_.findings->map : kNothing, m_.vehicle->position_in_map_m.head<2>(),
+                         to, m_.vehicle->envelope, options_.transit_clearance_m,
+                         views_.Overview().position_in_map_m.z());
 }
 
 std::vector<Eigen::Vector3d> Errands::WayTo(const Eigen::Vector3d& place) const {
-  return FlyOver(m_.vehicle->position_in_map_m, place, TransitAltitude_m());
+  return FlyOver(m_.vehicle->position_in_map_m, place, TransitAltitude_m(place.head<2>()));
 }
 
 void Errands::Send(FlightCommand command) {

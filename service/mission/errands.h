@@ -37,7 +37,7 @@ class Errands {
   FlightCommand Command(CommandKind kind) const;
   FlightCommand FlyTo(CommandKind kind, std::vector<Eigen::Vector3d> path, double yaw_rad,
                       double speed_mps) const;
-  double TransitAltitude_m() const;
+  double TransitAltitude_m(const Eigen::Vector2d& to) const;
   std::vector<Eigen::Vector3d> WayTo(const Eigen::Vector3d& place) const;
   void Send(FlightCommand command);
   void SendAgain();

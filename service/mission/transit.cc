@@ -7,13 +7,16 @@ namespace {
 constexpr double kSamePlace_m = 0.5;
 }
 
-double TransitAltitude(const std::vector<Footprint>& map, const VehicleEnvelope& vehicle, double clearance_m,
+double TransitAltitude(const std::vector<Footprint>& map, const Eigen::Vector2d& from,
+                       const Eigen::Vector2d& to, const VehicleEnvelope& vehicle, double clearance_m,
                        double unknown_m) {
+  const double keep_m = vehicle.NeededWidth_m() / 2.0 + clearance_m;
   double highest_m = 0.0;
   bool is_known = !map.empty();
   for (const Footprint& object : map) {
-    is_known = is_known && object.height_m > 0.0;
     highest_m = std::max(highest_m, object.height_m + 3.0 * object.height_std_m);
+    if (object.height_m > 0.0) continue;
+    is_known = is_known && DistanceToSegment(object.polygon_in_map_m.outer, from, to) >= keep_m;
   }
   const double over_m = highest_m + vehicle.NeededHeight_m() / 2.0 + clearance_m;
   return is_known ? over_m : std::max(over_m, unknown_m);

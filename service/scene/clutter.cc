@@ -29,7 +29,8 @@ std::vector<Obstacle> FindClutter(const Sight& sight, const Prediction& predicti
   const double metre_px = sight.view.intrinsics.fx_px / std::max(0.1, pose.translation_m.z());
   const double std_m = sight.view.position_std_m + pose.translation_m.z() * sight.view.orientation_std_rad;
   const auto disc = [&](double radius_m) {
-    const int radius_px = std::max(1, static_cast<int>(std::lround(radius_m * metre_px)));
+    const int most_px = std::max(sight.seen.cols, sight.seen.rows);
+    const int radius_px = static_cast<int>(std::clamp(std::round(radius_m * metre_px), 1.0, 1.0 * most_px));
     return cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * radius_px + 1, 2 * radius_px + 1));
   };
   cv::dilate(is_building, is_building, disc(kBeside_m + kPoseSigmas * std_m));

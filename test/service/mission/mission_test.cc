@@ -760,10 +760,22 @@ TEST(FlyOver, NeverDescendsBeforeItIsAcross) {
               ElementsAre(Eigen::Vector3d(5, 0, 9), Eigen::Vector3d(5, 0, 2)));
 }
 
-TEST(TransitAltitude, TakesUnknownHeightsForAsHighAsTheyMightBe) {
-  EXPECT_NEAR(TransitAltitude({Box(1, 0, 0, 1, 1, 2.3)}, kEnvelope, 1.5, 9.0), 2.3 + 0.4 + 1.5, 1e-12);
-  EXPECT_EQ(TransitAltitude({Box(1, 0, 0, 1, 1, 2.3), Box(2, 5, 0, 1, 1, 0.0)}, kEnvelope, 1.5, 9.0), 9.0);
-  EXPECT_EQ(TransitAltitude({}, kEnvelope, 1.5, 9.0), 9.0);
+TEST(TransitAltitude, IsAboveEveryBuildingOfKnownHeight) {
+  const auto altitude = [](const std::vector<Footprint>& map) {
+    return TransitAltitude(map, {-5, 0}, {5, 0}, kEnvelope, 1.5, 9.0);
+  };
+  EXPECT_NEAR(altitude({Box(1, 0, 20, 1, 1, 2.3)}), 2.3 + 0.4 + 1.5, 1e-12);
+  EXPECT_EQ(altitude({}), 9.0);
+}
+
+TEST(TransitAltitude, TakesWhatIsOfUnknownHeightOnTheWayForAsHighAsItMightBe) {
+  const auto altitude = [](const Footprint& unknown) {
+    return TransitAltitude({Box(1, 0, 20, 1, 1, 2.3), unknown}, {-5, 0}, {5, 0}, kEnvelope, 1.5, 9.0);
+  };
+  EXPECT_EQ(altitude(Box(2, 0, 0, 1, 1, 0.0)), 9.0);
+  EXPECT_EQ(altitude(Box(2, 4.5, 0, 20, 20, 0.0)), 9.0);
+  EXPECT_EQ(altitude(Box(2, 0, 2.4, 1, 1, 0.0)), 9.0);
+  EXPECT_NEAR(altitude(Box(2, 0, 4.0, 1, 1, 0.0)), 2.3 + 0.4 + 1.5, 1e-12);
 }
 
 }  // namespace

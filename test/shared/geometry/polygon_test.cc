@@ -56,5 +56,15 @@ TEST(ConvexHull, DropsInnerAndCollinearPoints) {
   EXPECT_THAT(ConvexHull({{0, 0}, {1, 1}, {2, 2}}), SizeIs(2));
 }
 
+TEST(DistanceToSegment, IsZeroWhereTheSegmentMeetsTheArea) {
+  const Ring square = {{0, 0}, {2, 0}, {2, 2}, {0, 2}};
+  EXPECT_EQ(DistanceToSegment(square, {-1, 1}, {3, 1}), 0.0);
+  EXPECT_EQ(DistanceToSegment(square, {0.5, 0.5}, {1, 1}), 0.0);
+  EXPECT_EQ(DistanceToSegment(square, {1, 1}, {5, 5}), 0.0);
+  EXPECT_NEAR(DistanceToSegment(square, {-1, 3}, {4, 3}), 1.0, 1e-12);
+  EXPECT_NEAR(DistanceToSegment(square, {4, 1}, {6, 7}), 2.0, 1e-12);
+  EXPECT_NEAR(DistanceToSegment(square, {3, 0}, {3, 5}), 1.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace soffit
