@@ -194,7 +194,8 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
     return decision;
   }
   if (!(decision.seen_ratio >= options.min_seen_ratio) || sweep.voxels == 0) {
-    decision.reason = Say(100.0 * (1.0 - decision.seen_ratio), " % of the corridor was not seen free");
+    decision.reason =
+        Say(sweep.voxels - sweep.free, " of ", sweep.voxels, " voxels of the corridor were not seen free");
     if (!sweep.unknown_m.empty())
       decision.reason += ", as at " + Place(sweep.unknown_m[sweep.unknown_m.size() / 2]);
     decision.wanted = PlanLook(scene, corridor, sweep.unknown_m, sights, vehicle);
