@@ -15,7 +15,7 @@ namespace {
 constexpr int kLineSteps = 4;             // Places that are tried on either side of the middle.
 constexpr double kKeptSigmas = 4.0;       // Kept on all sides off the middle: more than a decision asks for.
 constexpr double kHigher = 2.0;           // Times what is known of a thing's height it may be.
-constexpr std::size_t kMaxObstacles = 5;  // In one passage; the nearest to its axis count.
+constexpr std::size_t kMaxObstacles = 8;  // In one passage; the nearest to its axis count.
 
 Eigen::Vector3d At(const Eigen::Vector2d& plan, double z) { return {plan.x(), plan.y(), z}; }
 

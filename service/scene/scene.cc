@@ -15,6 +15,7 @@ namespace soffit {
 namespace {
 
 constexpr std::size_t kMinThing = 8;  // Voxels: smaller groups are noise.
+constexpr double kPiece_m = 0.5;      // A larger group is told as several obstacles, each about so wide.
 
 struct Box {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
@@ -128,7 +129,8 @@ void FillSolids(const Scene& scene, Voxels& voxels) {
   }
 }
 
-/// All voxels of the same state that hang together with this one, by faces, edges or corners.
+/// The voxels of the same state that hang together with this one, by faces, edges or corners, and stand no
+/// farther from it.
 std::vector<Index> Flood(const Index& start, Voxels& voxels, std::vector<bool>& is_taken) {
   const auto number = [&](const Index& at) { return voxels.grid.Number(at[0], at[1], at[2]); };
   const Voxel state = voxels.At(start);
@@ -138,6 +140,8 @@ std::vector<Index> Flood(const Index& start, Voxels& voxels, std::vector<bool>& 
     for (int k = 0; k < 27; ++k) {
       const Index next = {group[i][0] + k % 3 - 1, group[i][1] + k / 3 % 3 - 1, group[i][2] + k / 9 - 1};
       if (!voxels.Has(next) || voxels.At(next) != state || is_taken[number(next)]) continue;
+      const double aside = std::hypot(next[0] - start[0], next[1] - start[1]) * voxels.grid.voxel_m;
+      if (aside > kPiece_m) continue;
       is_taken[number(next)] = true;
       group.push_back(next);
     }
