@@ -57,7 +57,7 @@ struct MissionOptions {
   double picture_timeout_s = 30.0;
   double retry_delay_s = 2.0;
   int tries = 3;
-  int more_views = 7;
+  int more_views = 10;
   int candidate_views = 8;
 
   template <class Self, class Visitor>
