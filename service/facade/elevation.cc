@@ -15,18 +15,6 @@ constexpr double kOffWall_m = 1e-3;
 constexpr double kRoofSearch = 1.6;  // Times the height that is expected.
 constexpr double kFallbackHeight_m = 12.0;
 
-double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-bool Crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Ring& ring) {
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Eigen::Vector2d& c = ring[i];
-    const Eigen::Vector2d& d = ring[(i + 1) % ring.size()];
-    if (Cross(b - a, c - a) * Cross(b - a, d - a) < 0.0 && Cross(d - c, a - c) * Cross(d - c, b - c) < 0.0)
-      return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 std::optional<Elevation> Rectify(const Polygon& footprint, int side, double height_m, int own_class,
@@ -62,7 +50,7 @@ std::optional<Elevation> Rectify(const Polygon& footprint, int side, double heig
   for (int column = 0; column < columns; ++column) {
     const Eigen::Vector2d plan =
         view.wall.InPlan(view.Center(column, 0).x()) + kOffWall_m * view.wall.outward;
-    if (Crosses(camera_plan, plan, footprint.outer)) continue;
+    if (Crosses(footprint.outer, camera_plan, plan)) continue;
     for (int row = 0; row < rows; ++row) {
       const auto pixel = Project(sight.view, view.wall.InMap(view.Center(column, row)));
       if (!pixel) continue;

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "service/facade/elevation.h"
+#include "service/facade/median.h"
 #include "service/facade/recess.h"
 #include "service/facade/wall.h"
 #include "shared/result/result.h"
@@ -23,13 +24,6 @@ constexpr double kPixelStd = 0.7;
 constexpr double kSameWidthShare = 0.92;  // A gap that narrows less shows no sides of a recess.
 constexpr double kMisfitSigmas = 6.0;     // Of the pose: by so much the picture may be beside the wall's end.
 constexpr int kHeadSegments = 24;
-
-double Median(std::vector<double> values) {
-  SOFFIT_EXPECT(!values.empty());
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 bool Is(uchar seen, Seen wanted) { return seen == static_cast<uchar>(wanted); }
 

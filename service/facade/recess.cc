@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "service/facade/median.h"
 #include "shared/result/result.h"
 
 namespace soffit {
@@ -72,12 +73,6 @@ double Contrast(const Sight& sight, const Wall& wall, const Edge& edge, double d
     ++count;
   }
   return count < kSamples / 2 ? 0.0 : std::abs(sum / count);
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// By how much the mouth's outline moves in the picture when it is swept from one depth to another: the

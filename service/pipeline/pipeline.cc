@@ -11,9 +11,10 @@ namespace {
 
 bool IsFromAbove(Purpose purpose) { return purpose == Purpose::kOverview || purpose == Purpose::kTop; }
 
-std::vector<Footprint> MapFootprints(const Image& image, const PipelineOptions& options) {
-  const Mask mask = SegmentBuildings(image, options.mask);
-  return TraceFootprints(image, TraceOutlines(mask, image.seen, options.outline), options.footprint);
+void Extract(Image image, const PipelineOptions& options, Observation& seen) {
+  seen.image = std::move(image);
+  seen.mask = SegmentBuildings(seen.image, options.mask);
+  seen.outlines = TraceOutlines(seen.mask, seen.image.seen, options.outline);
 }
 
 struct HorizontalViews {
@@ -144,10 +145,12 @@ Result<Observation> Observe(const Capture& capture, const PipelineOptions& optio
   Result<Image> image = DecodeImage(capture, options.image);
   if (!image.ok()) return image.error();
   Observation seen;
-  if (IsFromAbove(capture.purpose)) seen.footprints = MapFootprints(image.value(), options);
-  seen.image = ShrinkImage(std::move(image).value(), options.image.kept_megapixels);
-  seen.mask = SegmentBuildings(seen.image, options.mask);
-  seen.outlines = TraceOutlines(seen.mask, seen.image.seen, options.outline);
+  const Image kept = ShrinkImage(image.value(), options.image.kept_megapixels);
+  if (IsFromAbove(capture.purpose)) {
+    Extract(image.value(), options, seen);
+    seen.footprints = TraceFootprints(seen.image, seen.outlines, options.footprint);
+  }
+  if (seen.image.bgr.size() != kept.bgr.size()) Extract(kept, options, seen);
   seen.sight = LabelSight(seen.image, seen.mask, options.facade);
   return seen;
 } catch (const std::exception& failure) {

@@ -201,7 +201,7 @@ std::shared_ptr<const octomap::OcTree> PlantTree(Voxels& voxels) {
   return tree;
 }
 
-/// The models, and what else may hide them: a plain block for a building that was only seen from above.
+/// A plain block for each building that was only seen from above: it may hide others.
 std::vector<Mesh> RaiseBlocks(const Scene& scene) {
   std::vector<Mesh> blocks;
   for (const SceneObject& object : scene.objects) {

@@ -106,15 +106,19 @@ double DistanceToRing(const Eigen::Vector2d& point, const Ring& ring) {
   return least;
 }
 
-double DistanceToSegment(const Ring& ring, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  if (Contains(ring, a) || Contains(ring, b)) return 0.0;
-  double least = std::min(DistanceToRing(a, ring), DistanceToRing(b, ring));
+bool Crosses(const Ring& ring, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Eigen::Vector2d& c = ring[i];
     const Eigen::Vector2d& d = ring[(i + 1) % ring.size()];
-    if (Turn(a, b, c) * Turn(a, b, d) < 0.0 && Turn(c, d, a) * Turn(c, d, b) < 0.0) return 0.0;
-    least = std::min(least, DistanceToSegment(c, a, b));
+    if (Turn(a, b, c) * Turn(a, b, d) < 0.0 && Turn(c, d, a) * Turn(c, d, b) < 0.0) return true;
   }
+  return false;
+}
+
+double DistanceToSegment(const Ring& ring, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  if (Contains(ring, a) || Contains(ring, b) || Crosses(ring, a, b)) return 0.0;
+  double least = std::min(DistanceToRing(a, ring), DistanceToRing(b, ring));
+  for (const Eigen::Vector2d& corner : ring) least = std::min(least, DistanceToSegment(corner, a, b));
   return least;
 }
 

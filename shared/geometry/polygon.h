@@ -24,6 +24,8 @@ bool Contains(const Ring& ring, const Eigen::Vector2d& point);  ///< Even-odd; t
 bool Contains(const Polygon& polygon, const Eigen::Vector2d& point);
 double DistanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 double DistanceToRing(const Eigen::Vector2d& point, const Ring& ring);  ///< To the nearest side, >= 0.
+/// Whether a segment goes through a side of the ring; one that only touches it does not.
+bool Crosses(const Ring& ring, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 /// Between a segment and the area within a ring; 0 when they meet.
 double DistanceToSegment(const Ring& ring, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 bool IsSimple(const Ring& ring);  ///< No two sides meet but neighbours at their corner. O(n^2).

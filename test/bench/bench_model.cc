@@ -5,7 +5,6 @@
 #include <turbojpeg.h>
 
 #include <memory>
-#include <opencv2/core/utility.hpp>
 
 #include "service/facade/align.h"
 #include "service/pipeline/pipeline.h"
@@ -214,11 +213,3 @@ BENCHMARK(FromPicturesToDecisions)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace soffit::bench
-
-int main(int argc, char** argv) {
-  cv::setNumThreads(1);
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  benchmark::RunSpecifiedBenchmarks();
-  return 0;
-}

@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <numbers>
-#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "service/footprint/footprint.h"
@@ -164,11 +163,3 @@ BENCHMARK(FindsGroup)->ArgName("shapes")->Arg(1000)->Unit(benchmark::kMillisecon
 
 }  // namespace
 }  // namespace soffit::bench
-
-int main(int argc, char** argv) {
-  cv::setNumThreads(1);
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  benchmark::RunSpecifiedBenchmarks();
-  return 0;
-}
