@@ -13,6 +13,9 @@ int main(int argc, char** argv) try {
   soffit::AddReportCommand(app);
   soffit::AddMissionCommand(app);
   soffit::AddQueryCommand(app);
+  soffit::AddSceneCommand(app);
+  soffit::AddTopicsCommand(app);
+  soffit::AddEchoCommand(app);
   soffit::AddDoctorCommand(app);
   app.require_subcommand(1);
   try {

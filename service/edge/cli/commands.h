@@ -14,6 +14,9 @@ void AddRecognizeCommand(CLI::App& app);
 void AddCompareCommand(CLI::App& app);
 void AddMissionCommand(CLI::App& app);
 void AddQueryCommand(CLI::App& app);
+void AddTopicsCommand(CLI::App& app);
+void AddEchoCommand(CLI::App& app);
+void AddSceneCommand(CLI::App& app);
 void AddDoctorCommand(CLI::App& app);
 
 }  // namespace soffit

@@ -213,10 +213,7 @@ void RunStatus(const MissionArguments& arguments) {
 CLI::App* AddAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                     const std::string& name, const std::string& help) {
   CLI::App* action = mission.add_subcommand(name, help);
-  action->add_option("--config", arguments->place.config_file,
-                     "The configuration of soffitd, for its local domain");
-  action->add_option("--domain", arguments->place.domain_id,
-                     "Its local domain, before that of the configuration");
+  AddLocalDomainOptions(*action, arguments->place);
   action->add_option("--timeout", arguments->timeout_s, "Seconds to wait for the service")
       ->check(CLI::Range(1, 3600));
   return action;

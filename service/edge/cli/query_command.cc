@@ -1,9 +1,9 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "service/edge/cli/commands.h"
+#include "service/edge/cli/query_output.h"
 #include "service/edge/cli/request_client.h"
 
 namespace soffit {
@@ -11,10 +11,10 @@ namespace {
 
 struct QueryArguments {
   LocalDomain place;
-  std::uint32_t vehicle_id = 1;
-  std::uint32_t object_id = 0;
-  std::vector<double> numbers;
-  int timeout_s = 10;
+  SceneQuery query;
+  std::vector<double> from;
+  std::vector<double> to;
+  bool prints_json = false;
 };
 
 [[noreturn]] void Fail(const std::string& message) {
@@ -28,112 +28,127 @@ T Take(Result<T> result) {
   return std::move(result).value();
 }
 
-nlohmann::json ToJson(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
-
-nlohmann::json ToJson(const Ring& ring) {
-  nlohmann::json corners = nlohmann::json::array();
-  for (const Eigen::Vector2d& corner : ring) corners.push_back({corner.x(), corner.y()});
-  return corners;
+Eigen::Vector3d ToPoint(const std::vector<double>& numbers) {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < numbers.size(); ++i) point[static_cast<Eigen::Index>(i)] = numbers[i];
+  return point;
 }
 
-nlohmann::json ToJson(const DecisionReport& report) {
-  const ClearanceDecision& decision = report.decision;
-  nlohmann::json json = {{"decision", ToString(decision.verdict)},
-                         {"decision_id", decision.decision_id},
-                         {"side", decision.side},
-                         {"reason", decision.reason},
-                         {"valid_until_utc_ns", report.valid_until_utc_ns},
-                         {"seen_ratio", decision.seen_ratio}};
-  if (decision.corridor) {
-    json["entry"] = ToJson(decision.corridor->entry_in_map_m);
-    json["exit"] = ToJson(decision.corridor->exit_in_map_m);
-    json["free_width_m"] = decision.corridor->free_width_m;
-    json["free_height_m"] = decision.corridor->free_height_m;
-  }
-  return json;
-}
-
-nlohmann::json ToJson(const SceneReply& reply, SceneQueryKind kind) {
-  nlohmann::json json = {{"scene_revision", reply.scene_revision}};
-  if (kind == SceneQueryKind::kPoint || kind == SceneQueryKind::kBox)
-    json["state"] = ToString(reply.occupancy);
-  if (kind == SceneQueryKind::kBox) {
-    json["free_ratio"] = reply.free_ratio;
-    json["occupied_ratio"] = reply.occupied_ratio;
-    json["unknown_ratio"] = reply.unknown_ratio;
-  }
-  if (reply.object) {
-    const SceneObject& object = reply.object->object;
-    json["object"] = {{"id", object.footprint.object_id},
-                      {"color", object.footprint.color},
-                      {"footprint", ToJson(object.footprint.polygon_in_map_m.outer)},
-                      {"holes", nlohmann::json::array()},
-                      {"height_m", object.footprint.height_m},
-                      {"matched", object.is_matched},
-                      {"neighbours", object.neighbours}};
-    for (const Ring& hole : object.footprint.polygon_in_map_m.holes)
-      json["object"]["holes"].push_back(ToJson(hole));
-  }
-  if (reply.model) {
-    json["model"] = {{"volume_m3", reply.model->volume_m3},
-                     {"triangles", reply.model->mesh.triangles.size()},
-                     {"openings", reply.model->openings.size()}};
-  }
-  for (const DecisionReport& report : reply.decisions) json["clearance"].push_back(ToJson(report));
-  return json;
-}
-
-void RunQuery(const QueryArguments& arguments, SceneQueryKind kind) {
-  SceneQuery query;
-  query.kind = kind;
-  query.vehicle_id = arguments.vehicle_id;
-  query.object_id = arguments.object_id;
-  const std::vector<double>& n = arguments.numbers;
-  if (kind == SceneQueryKind::kPoint || kind == SceneQueryKind::kBox) query.min_in_map_m = {n[0], n[1], n[2]};
-  if (kind == SceneQueryKind::kBox) query.max_in_map_m = {n[3], n[4], n[5]};
+void RunQuery(const QueryArguments& arguments) {
+  SceneQuery query = arguments.query;
+  query.from_in_map_m = ToPoint(arguments.from);
+  query.to_in_map_m = ToPoint(arguments.to);
   const Participant participant = Take(JoinLocalDomain(arguments.place));
   SceneClient client(participant);
-  const SceneReply reply = Take(client.Ask(query, std::chrono::seconds(arguments.timeout_s)));
-  if (!reply.is_answered) Fail(reply.message);
-  std::cout << ToJson(reply, kind).dump(1) << '\n';
+  const auto patience = std::chrono::seconds(static_cast<int>(std::ceil(query.timeout_s)) + 1);
+  const SceneReply reply = Take(client.Ask(query, patience));
+  if (reply.status != AnswerStatus::kOk) Fail(std::string(ToString(reply.status)) + ": " + reply.message);
+  if (arguments.prints_json) {
+    std::cout << AnswerToJson(query.kind, reply).dump(1) << '\n';
+  } else {
+    std::cout << "scene revision " << reply.origin.scene_revision << " of mission " << reply.origin.mission_id
+              << '\n'
+              << DescribeAnswer(query.kind, reply);
+  }
 }
 
-CLI::App* AddKind(CLI::App& query, const std::shared_ptr<QueryArguments>& arguments, SceneQueryKind kind,
-                  const std::string& name, const std::string& help) {
-  CLI::App* command = query.add_subcommand(name, help);
-  command->add_option("--config", arguments->place.config_file,
-                      "The configuration of soffitd, for its local domain");
-  command->add_option("--domain", arguments->place.domain_id,
-                      "Its local domain, before that of the configuration");
-  command->add_option("--vehicle", arguments->vehicle_id, "Whose mission's scene");
-  command->add_option("--timeout", arguments->timeout_s, "Seconds to wait for the service")
-      ->check(CLI::Range(1, 3600));
-  command->callback([arguments, kind] { RunQuery(*arguments, kind); });
-  return command;
-}
+/// One subcommand for each kind of question, with the options that count for it.
+class QueryCommands {
+ public:
+  QueryCommands(CLI::App& query, std::shared_ptr<QueryArguments> arguments)
+      : query_(query), arguments_(std::move(arguments)) {}
+
+  CLI::App& Add(SceneQueryKind kind, const std::string& name, const std::string& help) {
+    CLI::App* command = query_.add_subcommand(name, help);
+    AddLocalDomainOptions(*command, arguments_->place);
+    command->add_option("--vehicle", arguments_->query.vehicle_id, "Whose mission's scene");
+    command->add_option("--revision", arguments_->query.scene_revision,
+                        "Of the scene; without it the newest");
+    command->add_option("--timeout", arguments_->query.timeout_s, "Seconds that the answer may take")
+        ->check(CLI::Range(0.1, 60.0));
+    command->add_flag("--json", arguments_->prints_json, "For programs");
+    command->callback([arguments = arguments_, kind] {
+      arguments->query.kind = kind;
+      RunQuery(*arguments);
+    });
+    return *command;
+  }
+  void TakesPlace(CLI::App& command, int numbers) {
+    command.add_option("place", arguments_->from, numbers == 2 ? "x y in metres" : "x y z in metres")
+        ->expected(numbers)
+        ->required();
+  }
+  void TakesEnds(CLI::App& command) {
+    TakesPlace(command, 3);
+    command.add_option("to", arguments_->to, "x y z in metres")->expected(3)->required();
+  }
+  void TakesResolution(CLI::App& command) {
+    command.add_option("--resolution", arguments_->query.resolution_m,
+                       "Edge of the cells, m; without it the finest");
+  }
+  void TakesRange(CLI::App& command, const std::string& help) {
+    command.add_option("--range", arguments_->query.range_m, help);
+  }
+  void TakesObject(CLI::App& command) {
+    command.add_option("id", arguments_->query.object_id, "Id of the building")->required();
+  }
+  void TakesVehicle(CLI::App& command) {
+    command.add_option("--radius", arguments_->query.vehicle.radius_m,
+                       "Of the vehicle, m; without it the mission's");
+    command.add_option("--height", arguments_->query.vehicle.height_m, "Of the vehicle, m");
+    command.add_option("--margin", arguments_->query.vehicle.safety_margin_m, "To keep from everything, m");
+  }
+
+ private:
+  CLI::App& query_;
+  std::shared_ptr<QueryArguments> arguments_;
+};
 
 }  // namespace
 
 void AddQueryCommand(CLI::App& app) {
-  CLI::App* query = app.add_subcommand("query", "Asks a running soffitd about its scene; answers in JSON");
+  CLI::App* query = app.add_subcommand("query", "Asks a running soffitd about its scene");
   query->require_subcommand(1);
   const auto arguments = std::make_shared<QueryArguments>();
-  AddKind(*query, arguments, SceneQueryKind::kPoint, "point", "Free, occupied or unknown, at a place")
-      ->add_option("place", arguments->numbers, "x y z in metres")
-      ->expected(3)
-      ->required();
-  AddKind(*query, arguments, SceneQueryKind::kBox, "box", "Free, occupied or unknown, within a box")
-      ->add_option("corners", arguments->numbers, "Lowest and highest corner: x y z x y z in metres")
-      ->expected(6)
-      ->required();
-  AddKind(*query, arguments, SceneQueryKind::kObject, "object",
-          "One building of the vector map, and its model")
-      ->add_option("id", arguments->object_id, "Id of the object")
-      ->required();
-  AddKind(*query, arguments, SceneQueryKind::kClearance, "clearance",
-          "Whether the vehicle may fly through a building")
-      ->add_option("id", arguments->object_id, "Id of the object")
-      ->required();
+  arguments->query.vehicle_id = 1;
+  arguments->query.timeout_s = 10.0;
+  QueryCommands commands(*query, arguments);
+  using enum SceneQueryKind;
+
+  CLI::App& point = commands.Add(kPoint, "point", "Free, occupied or unknown, at a place");
+  commands.TakesPlace(point, 3);
+  commands.TakesResolution(point);
+  CLI::App& box = commands.Add(kBox, "box", "Free, occupied or unknown, between two corners");
+  commands.TakesEnds(box);
+  commands.TakesResolution(box);
+  CLI::App& ray = commands.Add(kRay, "ray", "What a ray comes to: hit, free, unknown or out of range");
+  commands.TakesEnds(ray);
+  commands.TakesRange(ray, "How far, m; without it as far as the second place");
+  CLI::App& nearest =
+      commands.Add(kNearest, "nearest", "The nearest obstacle, unknown cell and model surface");
+  commands.TakesPlace(nearest, 3);
+  commands.TakesRange(nearest, "How far to look, m");
+  commands.TakesPlace(
+      commands.Add(kColumn, "column", "What is above each other, how high it is, and whose it is"), 2);
+  commands.TakesObject(commands.Add(kObjects, "object", "One building of the vector map, and its model"));
+  CLI::App& objects = commands.Add(kObjects, "objects", "The buildings of the vector map, nearest first");
+  objects.add_option("--near", arguments->from, "x y in metres")->expected(2);
+  commands.TakesRange(objects, "No farther than this, m");
+  objects.add_option("--reference", arguments->query.reference_name,
+                     "Only those recognized from this picture");
+  CLI::App& clearance =
+      commands.Add(kClearance, "clearance", "Whether a vehicle may fly under or through a building");
+  commands.TakesObject(clearance);
+  commands.TakesVehicle(clearance);
+  CLI::App& way = commands.Add(kWay, "way", "Whether a vehicle may fly straight between two places");
+  commands.TakesEnds(way);
+  commands.TakesVehicle(way);
+  CLI::App& path = commands.Add(kPath, "path", "A way between two places in space that is known to be free");
+  commands.TakesEnds(path);
+  commands.TakesVehicle(path);
+  commands.Add(kChanges, "changes", "What has changed since a revision")
+      .add_option("--since", arguments->query.since_revision, "Revision; without it everything");
+  commands.Add(kRevisions, "revisions", "The revisions of the scene");
 }
 
 }  // namespace soffit

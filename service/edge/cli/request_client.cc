@@ -44,6 +44,11 @@ Result<typename ReplyTopic::Value> RequestClient<RequestTopic, ReplyTopic>::Ask(
 template class RequestClient<MissionRequestTopic, MissionReplyTopic>;
 template class RequestClient<SceneQueryTopic, SceneReplyTopic>;
 
+void AddLocalDomainOptions(CLI::App& command, LocalDomain& place) {
+  command.add_option("--config", place.config_file, "The configuration of soffitd, for its local domain");
+  command.add_option("--domain", place.domain_id, "Its local domain, before that of the configuration");
+}
+
 Result<Participant> JoinLocalDomain(const LocalDomain& place) {
   ServiceOptions options;
   if (!place.config_file.empty()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -59,6 +60,9 @@ struct LocalDomain {
   std::string config_file;
   int domain_id = -1;  ///< Negative: that of the configuration.
 };
+
+/// The options of a command that say where.
+void AddLocalDomainOptions(CLI::App& command, LocalDomain& place);
 
 Result<Participant> JoinLocalDomain(const LocalDomain& place);
 

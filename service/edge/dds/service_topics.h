@@ -66,16 +66,17 @@ struct ClearanceDecisionTopic {
 struct SceneQueryTopic {
   using Value = SceneQuery;
   using Support = wire::SceneQueryPubSubType;
-  static constexpr const char* kName = "soffit/scene_query/v1";
+  static constexpr const char* kName = "soffit/scene_query/v2";
   static constexpr TopicKind kKind = TopicKind::kQuery;
   static wire::SceneQuery ToWire(const SceneQuery& value);
+  /// Never an error: see SceneQuery::problem.
   static Result<SceneQuery> FromWire(const wire::SceneQuery& message);
 };
 
 struct SceneReplyTopic {
   using Value = SceneReply;
   using Support = wire::SceneReplyPubSubType;
-  static constexpr const char* kName = "soffit/scene_reply/v1";
+  static constexpr const char* kName = "soffit/scene_reply/v2";
   static constexpr TopicKind kKind = TopicKind::kQuery;
   static wire::SceneReply ToWire(const SceneReply& value);
   static Result<SceneReply> FromWire(const wire::SceneReply& message);

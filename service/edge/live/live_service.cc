@@ -79,7 +79,7 @@ LiveService::LiveService(const ServiceOptions& options, Stages stages, Participa
       heartbeats_(radio_),
       mission_replies_(local_),
       statuses_(local_),
-      scenes_(local_),
+      scenes_(local_, options.pipeline),
       states_(
           radio_,
           [this](VehicleState state) { loop_.Post([this, state = std::move(state)] { OnState(state); }); }),
@@ -237,6 +237,7 @@ MissionReply LiveService::StartFlight(const MissionRequest& request) {
   run.mission = StartMission(
       {request.vehicle_id, last_mission_id_, request.area_center_in_map_m, request.area_radius_m});
   run.folder = fs::path(options_.data_folder) / ("mission-" + std::to_string(last_mission_id_));
+  run.reference_name = request.reference_name;
   const bool is_png = !request.reference.empty() && request.reference.front() == 0x89;
   run.reference_file = is_png ? "reference.png" : "reference.jpg";
 
@@ -472,7 +473,9 @@ void LiveService::PublishScene(const MissionRun& run) {
       SceneSnapshot{{run.mission.order.vehicle_id, run.mission.order.mission_id, revision},
                     Now(),
                     run.understanding,
-                    run.decisions}));
+                    run.decisions,
+                    run.mission.vehicle ? run.mission.vehicle->envelope : VehicleEnvelope{},
+                    run.reference_name}));
 }
 
 void LiveService::PublishHeartbeats() {

@@ -33,6 +33,7 @@ struct Stages {
 struct MissionRun {
   Mission mission;
   Reference reference;
+  std::string reference_name;
   std::string reference_file;
   std::filesystem::path folder;
   std::int64_t started_utc_ns = 0;

@@ -4,6 +4,7 @@ namespace soffit {
 namespace {
 
 constexpr int kAnswerers = 2;
+constexpr double kDefaultTimeout_s = 10.0;
 constexpr std::size_t kMaxWaitingOfAClient = 64;
 constexpr std::size_t kMaxClients = 1024;
 constexpr std::size_t kMaxVehicles = 1024;
@@ -16,8 +17,9 @@ std::vector<ClearanceDecision> DecisionsOf(const SceneSnapshot& snapshot) {
 
 }  // namespace
 
-SceneServer::SceneServer(const Participant& local)
-    : objects_(local),
+SceneServer::SceneServer(const Participant& local, const PipelineOptions& options)
+    : options_(options),
+      objects_(local),
       models_(local),
       decisions_(local),
       replies_(local),
@@ -29,6 +31,8 @@ SceneServer::SceneServer(const Participant& local)
 void SceneServer::Publish(std::shared_ptr<const SceneSnapshot> snapshot) {
   const std::uint32_t vehicle_id = snapshot->origin.vehicle_id;
   const std::lock_guard lock(mutex_);
+  auto& history = histories_[vehicle_id];
+  history = std::make_shared<SceneHistory>(Extend(history ? *history : SceneHistory(), snapshot));
   newest_[vehicle_id] = std::move(snapshot);
   if (unsent_.contains(vehicle_id)) return;
   if (sender_.TrySubmit([this, vehicle_id] { SendNewest(vehicle_id); })) unsent_.insert(vehicle_id);
@@ -37,15 +41,27 @@ void SceneServer::Publish(std::shared_ptr<const SceneSnapshot> snapshot) {
 /// A question for which there is no room is dropped: whoever asks a few at a time, and again after a second
 /// without an answer, is always answered.
 void SceneServer::OnQuery(const SceneQuery& query) {
-  answerers_.TrySubmit(query.id.client, [this, query] {
-    std::shared_ptr<const SceneSnapshot> snapshot;
-    {
-      const std::lock_guard lock(mutex_);
-      const auto found = newest_.find(query.vehicle_id);
-      if (found != newest_.end()) snapshot = found->second;
-    }
-    replies_.Write(AnswerQuery(query, snapshot ? *snapshot : SceneSnapshot{}));
-  });
+  const auto asked = std::chrono::steady_clock::now();
+  answerers_.TrySubmit(query.id.client, [this, query, asked] { replies_.Write(Answer(query, asked)); });
+}
+
+SceneReply SceneServer::Answer(const SceneQuery& query, std::chrono::steady_clock::time_point asked) const
+    try {
+  std::shared_ptr<const SceneHistory> history;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = histories_.find(query.vehicle_id);
+    if (found != histories_.end()) history = found->second;
+  }
+  const std::chrono::duration<double> timeout(query.timeout_s > 0.0 ? query.timeout_s : kDefaultTimeout_s);
+  const auto is_late = [&] { return std::chrono::steady_clock::now() - asked > timeout; };
+  return AnswerQuery(query, history ? *history : SceneHistory(), options_, is_late);
+} catch (const std::exception& defect) {
+  SceneReply reply;
+  reply.id = query.id;
+  reply.status = AnswerStatus::kFailed;
+  reply.message = defect.what();
+  return reply;
 }
 
 void SceneServer::SendNewest(std::uint32_t vehicle_id) {

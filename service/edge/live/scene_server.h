@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -21,7 +22,7 @@ namespace soffit {
 /// snapshots. Thread-safe.
 class SceneServer {
  public:
-  explicit SceneServer(const Participant& local);
+  SceneServer(const Participant& local, const PipelineOptions& options);
 
   /// From now on this is the newest scene of its vehicle. One that is overtaken before it was sent is not
   /// sent.
@@ -37,16 +38,19 @@ class SceneServer {
   };
 
   void OnQuery(const SceneQuery& query);
+  SceneReply Answer(const SceneQuery& query, std::chrono::steady_clock::time_point asked) const;
   void SendNewest(std::uint32_t vehicle_id);
   void SendTopics(const SceneSnapshot& snapshot);
 
+  PipelineOptions options_;
   Writer<SceneObjectTopic> objects_;
   Writer<BuildingModelTopic> models_;
   Writer<ClearanceDecisionTopic> decisions_;
   Writer<SceneReplyTopic> replies_;
   RosTopics ros_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<std::uint32_t, std::shared_ptr<const SceneSnapshot>> newest_;
+  std::map<std::uint32_t, std::shared_ptr<const SceneHistory>> histories_;
   std::set<std::uint32_t> unsent_;      ///< Vehicles whose newest snapshot has still to be sent.
   std::map<std::uint32_t, Sent> sent_;  ///< Used by `sender_` alone.
   ThreadPool sender_;

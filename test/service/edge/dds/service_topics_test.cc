@@ -123,5 +123,61 @@ TEST(MissionRequestTopic, RefusesAnAreaThatIsNowhere) {
   EXPECT_FALSE(MissionRequestTopic::FromWire(MissionRequestTopic::ToWire(request)).ok());
 }
 
+TEST(SceneQueryTopic, GivesAMalformedQuestionItsIdSoThatItCanBeAnswered) {
+  SceneQuery query;
+  query.id = {{1, 2, 3}, 4};
+  query.kind = SceneQueryKind::kRay;
+  query.to_in_map_m.y() = kNan;
+  const auto received = SceneQueryTopic::FromWire(SceneQueryTopic::ToWire(query));
+  ASSERT_TRUE(received.ok());
+  EXPECT_EQ(received.value().id, query.id);
+  EXPECT_EQ(received.value().problem, "to_in_map_m.y is not a finite number");
+  query.to_in_map_m.y() = 1.0;
+  EXPECT_EQ(SceneQueryTopic::FromWire(SceneQueryTopic::ToWire(query)).value().problem, "");
+  query.timeout_s = 1e9;
+  EXPECT_THAT(SceneQueryTopic::FromWire(SceneQueryTopic::ToWire(query)).value().problem,
+              HasSubstr("timeout_s"));
+}
+
+TEST(SceneReplyTopic, KeepsEveryPartThroughTheWire) {
+  SceneReply sent;
+  sent.status = AnswerStatus::kOk;
+  sent.origin = {1, 2, 3};
+  sent.grid.size = {2, 1, 1};
+  sent.grid.occupancy = {1, 2};
+  sent.cells = {{{1, 2, 3}, 0.1, Occupancy::kOccupied}};
+  sent.ray = RayEnd::kOutOfRange;
+  sent.surface = {true, -0.5, {4, 5, 6}, 7};
+  sent.layers = {{0.0, 1.0, Occupancy::kFree}};
+  sent.height_m = 2.5;
+  sent.changes = {{ChangeKind::kRemoved, ChangedThing::kDecision, 4, 2}};
+  sent.changed_cells = 9;
+  sent.changed_in_map_m = {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 2, 3)};
+  sent.revisions = {{1, 2, 3, 4, 5, 6, 7, true}};
+  const auto received = SceneReplyTopic::FromWire(SceneReplyTopic::ToWire(sent));
+  ASSERT_TRUE(received.ok()) << received.error().message;
+  const SceneReply& got = received.value();
+  EXPECT_EQ(got.grid.size, sent.grid.size);
+  EXPECT_EQ(got.grid.occupancy, sent.grid.occupancy);
+  EXPECT_EQ(got.cells.at(0).occupancy, Occupancy::kOccupied);
+  EXPECT_EQ(got.ray, RayEnd::kOutOfRange);
+  EXPECT_EQ(got.surface.distance_m, -0.5);
+  EXPECT_EQ(got.layers.at(0).occupancy, Occupancy::kFree);
+  EXPECT_EQ(got.height_m, 2.5);
+  EXPECT_EQ(got.changes, sent.changes);
+  EXPECT_TRUE(got.changed_in_map_m.isApprox(sent.changed_in_map_m));
+  EXPECT_EQ(got.revisions.at(0).octree_nodes, 7u);
+}
+
+TEST(SceneReplyTopic, OfNothingIsReadable) {
+  EXPECT_TRUE(SceneReplyTopic::FromWire(SceneReplyTopic::ToWire(SceneReply())).ok());
+}
+
+TEST(SceneReplyTopic, RefusesAGridWithoutItsCells) {
+  SceneReply sent;
+  sent.grid.size = {100, 100, 100};
+  EXPECT_FALSE(SceneReplyTopic::FromWire(SceneReplyTopic::ToWire(sent)).ok());
+}
+
 }  // namespace
 }  // namespace soffit

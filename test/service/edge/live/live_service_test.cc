@@ -315,11 +315,11 @@ TEST_F(Live, AnswersQuestionsAboutTheScene) {
   SceneQuery query;
   query.vehicle_id = 1;
   query.kind = SceneQueryKind::kPoint;
-  query.min_in_map_m = {0.05, 5.05, 0.85};
+  query.from_in_map_m = {0.05, 5.05, 0.85};
   EXPECT_EQ(scenes_.Ask(query, 10s).value().occupancy, Occupancy::kFree);
-  query.min_in_map_m = {0.05, 7.05, 2.05};
+  query.from_in_map_m = {0.05, 7.05, 2.05};
   EXPECT_EQ(scenes_.Ask(query, 10s).value().occupancy, Occupancy::kOccupied);
-  query.min_in_map_m = {50, 50, 50};
+  query.from_in_map_m = {50, 50, 50};
   EXPECT_EQ(scenes_.Ask(query, 10s).value().occupancy, Occupancy::kUnknown);
 
   query.kind = SceneQueryKind::kClearance;
@@ -328,7 +328,7 @@ TEST_F(Live, AnswersQuestionsAboutTheScene) {
   ASSERT_EQ(clearance.decisions.size(), 1u);
   EXPECT_EQ(clearance.decisions[0].decision.verdict, Verdict::kClear);
   query.object_id = 9;
-  EXPECT_FALSE(scenes_.Ask(query, 10s).value().is_answered);
+  EXPECT_EQ(scenes_.Ask(query, 10s).value().status, AnswerStatus::kNotFound);
 }
 
 TEST(LiveService, SaysThatTheDataFolderCannotBeMade) {
