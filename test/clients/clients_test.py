@@ -1,6 +1,6 @@
 """Runs a client of any DDS vendor against a scene server; it has to end well and to have printed what the server has.
 
-usage: clients_test.py SERVER CLIENT
+usage: clients_test.py SERVER CLIENT...
 """
 import os
 import subprocess
@@ -25,13 +25,13 @@ def read_truth(server, client):
 
 
 def main():
-    server_program, client_program = sys.argv[1:]
+    server_program, *client_command = sys.argv[1:]
     domain = str(100 + os.getpid() % 100)
     environment = {**os.environ, "ROS_DOMAIN_ID": domain, "CYCLONEDDS_URI": CYCLONE}
     with subprocess.Popen([server_program], env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                           text=True) as server:
-        truth = read_truth(server, Path(client_program).name)
-        client = subprocess.run([client_program, domain], env=environment, capture_output=True, text=True, timeout=150)
+        truth = read_truth(server, Path(client_command[-1]).name)
+        client = subprocess.run([*client_command, domain], env=environment, capture_output=True, text=True, timeout=150)
         server.stdin.close()
         print(client.stdout, client.stderr, sep="")
         missing = [line for line in truth if line not in client.stdout.splitlines()]

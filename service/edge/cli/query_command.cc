@@ -12,8 +12,7 @@ namespace {
 struct QueryArguments {
   LocalDomain place;
   SceneQuery query;
-  std::vector<double> from;
-  std::vector<double> to;
+  std::vector<double> places;  // x y, x y z, or x y z x y z
   bool prints_json = false;
 };
 
@@ -28,16 +27,12 @@ T Take(Result<T> result) {
   return std::move(result).value();
 }
 
-Eigen::Vector3d ToPoint(const std::vector<double>& numbers) {
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < numbers.size(); ++i) point[static_cast<Eigen::Index>(i)] = numbers[i];
-  return point;
-}
-
 void RunQuery(const QueryArguments& arguments) {
   SceneQuery query = arguments.query;
-  query.from_in_map_m = ToPoint(arguments.from);
-  query.to_in_map_m = ToPoint(arguments.to);
+  std::vector<double> places = arguments.places;
+  places.resize(6);
+  query.from_in_map_m = {places[0], places[1], places[2]};
+  query.to_in_map_m = {places[3], places[4], places[5]};
   const Participant participant = Take(JoinLocalDomain(arguments.place));
   SceneClient client(participant);
   const auto patience = std::chrono::seconds(static_cast<int>(std::ceil(query.timeout_s)) + 1);
@@ -74,13 +69,14 @@ class QueryCommands {
     return *command;
   }
   void TakesPlace(CLI::App& command, int numbers) {
-    command.add_option("place", arguments_->from, numbers == 2 ? "x y in metres" : "x y z in metres")
+    command.add_option("place", arguments_->places, numbers == 2 ? "x y in metres" : "x y z in metres")
         ->expected(numbers)
         ->required();
   }
   void TakesEnds(CLI::App& command) {
-    TakesPlace(command, 3);
-    command.add_option("to", arguments_->to, "x y z in metres")->expected(3)->required();
+    command.add_option("places", arguments_->places, "x y z of one and x y z of the other, in metres")
+        ->expected(6)
+        ->required();
   }
   void TakesResolution(CLI::App& command) {
     command.add_option("--resolution", arguments_->query.resolution_m,
@@ -132,7 +128,7 @@ void AddQueryCommand(CLI::App& app) {
       commands.Add(kColumn, "column", "What is above each other, how high it is, and whose it is"), 2);
   commands.TakesObject(commands.Add(kObjects, "object", "One building of the vector map, and its model"));
   CLI::App& objects = commands.Add(kObjects, "objects", "The buildings of the vector map, nearest first");
-  objects.add_option("--near", arguments->from, "x y in metres")->expected(2);
+  objects.add_option("--near", arguments->places, "x y in metres")->expected(2);
   commands.TakesRange(objects, "No farther than this, m");
   objects.add_option("--reference", arguments->query.reference_name,
                      "Only those recognized from this picture");
