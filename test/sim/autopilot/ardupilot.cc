@@ -45,12 +45,12 @@ const std::vector<FlightMode> kModes = {{kCopterStabilize, "STABILIZE", false, t
                                         {kCopterBrake, "BRAKE", true, false}};
 
 std::map<std::string, double> DefaultParameters() {
-  return {{"ARMING_CHECK", 1},     {"BATT_FS_LOW_ACT", 2}, {"BATT_LOW_RATIO", 0.15}, {"DISARM_DELAY", 10},
-          {"FENCE_ENABLE", 0},     {"FS_EKF_ACTION", 1},   {"FS_GCS_ENABLE", 0},     {"FS_GCS_TIMEOUT", 5},
-          {"FS_THR_ENABLE", 1},    {"GUID_OPTIONS", 0},    {"GUID_TIMEOUT", 3},      {"LAND_SPEED", 50},
-          {"LAND_SPEED_HIGH", 0},  {"RTL_ALT", 1500},      {"RTL_LOIT_TIME", 5000},  {"SYSID_MYGCS", 255},
-          {"SYSID_THISMAV", 1},    {"WPNAV_ACCEL", 250},   {"WPNAV_SPEED", 1000},    {"WPNAV_SPEED_DN", 150},
-          {"WPNAV_SPEED_UP", 250}, {"WP_YAW_BEHAVIOR", 2}};
+  return {{"ARMING_CHECK", 1},     {"BATT_FS_LOW_ACT", 2},  {"BATT_LOW_RATIO", 0.15}, {"DISARM_DELAY", 10},
+          {"FENCE_ACTION", 1},     {"FENCE_ENABLE", 0},     {"FS_OPTIONS", 16},       {"FS_EKF_ACTION", 1},
+          {"FS_GCS_ENABLE", 0},    {"FS_GCS_TIMEOUT", 5},   {"FS_THR_ENABLE", 1},     {"GUID_OPTIONS", 0},
+          {"GUID_TIMEOUT", 3},     {"LAND_SPEED", 50},      {"LAND_SPEED_HIGH", 0},   {"RTL_ALT", 1500},
+          {"RTL_LOIT_TIME", 5000}, {"SYSID_MYGCS", 255},    {"SYSID_THISMAV", 1},     {"WPNAV_ACCEL", 250},
+          {"WPNAV_SPEED", 1000},   {"WPNAV_SPEED_DN", 150}, {"WPNAV_SPEED_UP", 250},  {"WP_YAW_BEHAVIOR", 2}};
 }
 
 class ArduPilot final : public Autopilot {

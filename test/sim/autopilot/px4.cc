@@ -30,10 +30,11 @@ const std::vector<FlightMode> kModes = {{kPosition, "POSCTL"},      {kOffboard, 
                                         {kReturn, "AUTO.RTL"},      {kLand, "AUTO.LAND"}};
 
 std::map<std::string, double> DefaultParameters() {
-  return {{"COM_DISARM_LAND", 2},  {"COM_DISARM_PRFLT", 10}, {"COM_OBL_RC_ACT", 5},
-          {"COM_OF_LOSS_T", 1},    {"MIS_TAKEOFF_ALT", 2.5}, {"MPC_ACC_HOR", 3},
-          {"MPC_LAND_SPEED", 0.7}, {"MPC_XY_VEL_MAX", 12},   {"MPC_Z_VEL_MAX_DN", 1.5},
-          {"MPC_Z_VEL_MAX_UP", 3}, {"RTL_RETURN_ALT", 60},   {"MAV_SYS_ID", 1}};
+  return {
+      {"COM_LOW_BAT_ACT", 0},    {"COM_RCL_EXCEPT", 0},    {"NAV_DLL_ACT", 0},      {"NAV_RCL_ACT", 2},
+      {"COM_DISARM_LAND", 2},    {"COM_DISARM_PRFLT", 10}, {"COM_OBL_RC_ACT", 5},   {"COM_OF_LOSS_T", 1},
+      {"MIS_TAKEOFF_ALT", 2.5},  {"MPC_ACC_HOR", 3},       {"MPC_LAND_SPEED", 0.7}, {"MPC_XY_VEL_MAX", 12},
+      {"MPC_Z_VEL_MAX_DN", 1.5}, {"MPC_Z_VEL_MAX_UP", 3},  {"RTL_RETURN_ALT", 60},  {"MAV_SYS_ID", 1}};
 }
 
 class Px4 final : public Autopilot {
