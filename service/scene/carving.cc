@@ -1,5 +1,6 @@
 #include "service/scene/carving.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr double kOtherDirection = 0.985;      // Cosine (10 degrees).
 constexpr double kVeryOtherDirection = 0.766;  // Cosine (40 degrees).
+constexpr int kBlock = 32;                     // Edge of the largest blocks, in voxels.
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
 
 /// Radius of the ball about a cube.
@@ -33,11 +35,47 @@ void Carving::Add(const Evidence& picture) {
   cameras_in_map_m_.push_back(picture.camera_in_map_m());
   capture_ids_.push_back(picture.capture_id());
   const Grid& grid = voxels_.grid;
-  ForEach(grid, [&](const Index& at) {
-    const std::size_t number = grid.Number(at[0], at[1], at[2]);
-    if (voxels_.states[number] == Voxel::kSolid || proofs_[number].is_surely_free) return;
-    AddTo(number, picture, grid.Center(at[0], at[1], at[2]));
-  });
+  for (int x = 0; x < grid.count[0]; x += kBlock) {
+    for (int y = 0; y < grid.count[1]; y += kBlock) {
+      for (int z = 0; z < grid.count[2]; z += kBlock) AddTo(Block{{x, y, z}, kBlock}, picture);
+    }
+  }
+}
+
+/// Most blocks are told at a glance: the fewer voxels are looked at one by one, the faster.
+void Carving::AddTo(const Block& block, const Evidence& picture) {
+  if (!voxels_.Has(block.first)) return;
+  const auto [x, y, z] = block.first;
+  const Grid& grid = voxels_.grid;
+  if (block.edge == 1) {
+    const std::size_t number = grid.Number(x, y, z);
+    if (voxels_.states[number] != Voxel::kSolid && !proofs_[number].is_surely_free)
+      AddTo(number, picture, grid.Center(x, y, z));
+    return;
+  }
+  const int half = block.edge / 2;
+  const Eigen::Vector3d middle = grid.Center(x, y, z).array() + (half - 0.5) * grid.voxel_m;
+  const auto sees = picture.SeesAlike(middle, Reach(block.edge * grid.voxel_m));
+  if (sees) return Mark(block, *sees);
+  for (int part = 0; part < 8; ++part)
+    AddTo(Block{{x + part % 2 * half, y + part / 2 % 2 * half, z + part / 4 * half}, half}, picture);
+}
+
+void Carving::Mark(const Block& block, Evidence::Sees sees) {
+  if (sees == Evidence::Sees::kNothing) return;
+  const Grid& grid = voxels_.grid;
+  Index end;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    end[axis] = std::min(block.first[axis] + block.edge, grid.count[axis]);
+  for (int x = block.first[0]; x < end[0]; ++x) {
+    for (int y = block.first[1]; y < end[1]; ++y) {
+      Proof* proof = &proofs_[grid.Number(x, y, block.first[2])];
+      for (int z = block.first[2]; z < end[2]; ++z, ++proof) {
+        proof->is_likely_free = true;
+        if (sees == Evidence::Sees::kSure) proof->is_surely_free = true;
+      }
+    }
+  }
 }
 
 void Carving::AddTo(std::size_t number, const Evidence& picture, const Eigen::Vector3d& center) {
@@ -45,14 +83,16 @@ void Carving::AddTo(std::size_t number, const Evidence& picture, const Eigen::Ve
   Proof& proof = proofs_[number];
   const double reach_m = Reach(voxels_.grid.voxel_m);
   const Sees sees = picture.SeeThrough(center, reach_m);
-  if (sees == Sees::kSure) {
-    proof.is_surely_free = true;
-    parts_.erase(number);
-    return;
+  if (sees == Sees::kSure) proof.is_surely_free = true;
+  if (sees == Sees::kSure || sees == Sees::kLikely) proof.is_likely_free = true;
+  if (sees == Sees::kNothing && picture.ShowsThingAt(center)) {
+    proof.shows_things = true;
+    Widen(things_[number], center);
   }
-  if (sees == Sees::kLikely) proof.is_likely_free = true;
-  if (sees == Sees::kNothing && picture.ShowsThingAt(center)) Widen(proof.things, center);
-  if (!proof.is_likely_free && picture.SeesPartly(center, reach_m)) AddParts(parts_[number], picture, center);
+  if (!proof.is_likely_free && picture.SeesPartly(center, reach_m)) {
+    proof.has_parts = true;
+    AddParts(parts_[number], picture, center);
+  }
 }
 
 void Carving::AddParts(Parts& parts, const Evidence& picture, const Eigen::Vector3d& center) const {
@@ -84,31 +124,28 @@ void Carving::AddParts(Parts& parts, const Evidence& picture, const Eigen::Vecto
 
 Voxels Carving::Judge() const {
   Voxels judged = voxels_;
-  const Grid& grid = judged.grid;
-  ForEach(grid, [&](const Index& at) {
+  ForEach(judged.grid, [&](const Index& at) {
     Voxel& state = judged.At(at);
-    if (state == Voxel::kSolid) return;
-    const std::size_t number = grid.Number(at[0], at[1], at[2]);
-    const Proof& proof = proofs_[number];
-    const auto parts = parts_.find(number);
-    const bool is_thing = Cosine(proof.things, grid.Center(at[0], at[1], at[2])) < kOtherDirection;
-    const bool is_sure = proof.is_surely_free || (parts != parts_.end() && parts->second.sure == kAll);
-    const bool is_likely = proof.is_likely_free || (parts != parts_.end() && parts->second.AreFree());
-    if (is_sure) {
-      state = Voxel::kFree;
-    } else if (is_thing) {
-      state = Voxel::kThing;
-    } else if (is_likely) {
-      state = Voxel::kFree;
-    }
+    if (state != Voxel::kSolid)
+      state = Judge(judged.grid.Number(at[0], at[1], at[2]), judged.grid.Center(at[0], at[1], at[2]));
   });
   return judged;
 }
 
+Voxel Carving::Judge(std::size_t number, const Eigen::Vector3d& center) const {
+  const Proof& proof = proofs_[number];
+  if (proof.is_surely_free) return Voxel::kFree;
+  const Parts parts = proof.has_parts ? parts_.at(number) : Parts{};
+  if (parts.sure == kAll) return Voxel::kFree;
+  if (proof.shows_things && Cosine(things_.at(number), center) < kOtherDirection) return Voxel::kThing;
+  return proof.is_likely_free || parts.AreFree() ? Voxel::kFree : Voxel::kUnknown;
+}
+
 std::vector<std::uint32_t> Carving::CapturesOfThingAt(const Index& at) const {
-  const Pair& things = proofs_[voxels_.grid.Number(at[0], at[1], at[2])].things;
   std::vector<std::uint32_t> captures;
-  for (const std::uint16_t number : {things.first, things.second}) {
+  const auto things = things_.find(voxels_.grid.Number(at[0], at[1], at[2]));
+  if (things == things_.end()) return captures;
+  for (const std::uint16_t number : {things->second.first, things->second.second}) {
     if (number > 0) captures.push_back(capture_ids_[number - 1U]);
   }
   return captures;

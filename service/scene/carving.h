@@ -34,11 +34,17 @@ class Carving {
     std::uint16_t first = 0;
     std::uint16_t second = 0;
   };
-  /// What the pictures prove of one voxel as a whole.
+  /// What the pictures prove of one voxel as a whole. There are many: a byte each.
   struct Proof {
-    bool is_surely_free = false;
-    bool is_likely_free = false;
-    Pair things;  ///< Pictures that show a thing here.
+    bool is_surely_free : 1 = false;
+    bool is_likely_free : 1 = false;
+    bool has_parts : 1 = false;     ///< There is something in `parts_` for it,
+    bool shows_things : 1 = false;  ///< and in `things_`.
+  };
+  /// A cube of voxels, some of which may lie beyond the grid.
+  struct Block {
+    Index first;
+    int edge = 1;  ///< In voxels, a power of 2.
   };
   /// What they prove of the 4 x 4 x 4 parts of a voxel that no picture surely shows to be free as a whole; a
   /// bit stands for a part.
@@ -53,16 +59,20 @@ class Carving {
     bool AreFree() const;
   };
 
+  void AddTo(const Block& block, const Evidence& picture);
+  void Mark(const Block& block, Evidence::Sees sees);
   void AddTo(std::size_t number, const Evidence& picture, const Eigen::Vector3d& center);
   void AddParts(Parts& parts, const Evidence& picture, const Eigen::Vector3d& center) const;
   void Widen(Pair& pair, const Eigen::Vector3d& place) const;
   double Cosine(std::uint16_t a, std::uint16_t b, const Eigen::Vector3d& place) const;
   double Cosine(const Pair& pair, const Eigen::Vector3d& place) const;
+  Voxel Judge(std::size_t number, const Eigen::Vector3d& center) const;
   std::uint16_t last() const { return static_cast<std::uint16_t>(cameras_in_map_m_.size()); }
 
   Voxels voxels_;
-  std::vector<Proof> proofs_;                     ///< By a voxel's number,
-  std::unordered_map<std::size_t, Parts> parts_;  ///< as these; most voxels need none.
+  std::vector<Proof> proofs_;                     ///< By a voxel's number, as these;
+  std::unordered_map<std::size_t, Parts> parts_;  ///< most voxels need none of them.
+  std::unordered_map<std::size_t, Pair> things_;  ///< Pictures that show a thing there.
   std::vector<Eigen::Vector3d> cameras_in_map_m_;
   std::vector<std::uint32_t> capture_ids_;
 };

@@ -78,11 +78,23 @@ Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::M
   cv::Mat1f least;
   cv::erode(reach_m_, least, Square(kEdge_px));
   reach_m_ = least;
-  cv::integral(fails_, fail_sum_, CV_32S);
-  cv::integral(is_doubtful_, doubt_sum_, CV_32S);
+  SumUp(prediction);
+}
+
+void Evidence::SumUp(const Prediction& prediction) {
   cv::Mat1b is_ground;
   cv::threshold(Only(prediction.label, Seen::kGround), is_ground, 0.0, 1.0, cv::THRESH_BINARY);
+  cv::Mat1b is_thing(component_.size(), uchar{0});
+  std::transform(component_.begin(), component_.end(), is_thing.begin(), [&](int component) {
+    return things_[static_cast<std::size_t>(component)].far_m > 0.0F ? uchar{1} : uchar{0};
+  });
+  cv::integral(fails_, fail_sum_, CV_32S);
+  cv::integral(is_doubtful_, doubt_sum_, CV_32S);
   cv::integral(is_ground, ground_sum_, CV_32S);
+  cv::integral(is_thing, thing_sum_, CV_32S);
+  cv::Mat1f free_m = reach_m_.clone();
+  free_m.setTo(0.0F, fails_);
+  free_.emplace(reach_m_, free_m);
 }
 
 void Evidence::Compare(const Sight& sight, const Prediction& prediction) {
@@ -176,7 +188,7 @@ bool Evidence::ShowsThingAt(const Eigen::Vector3d& point_in_map_m) const {
   return thing.far_m > 0.0F && p.z() >= thing.near_m && p.z() <= thing.far_m;
 }
 
-std::optional<Evidence::Window> Evidence::About(const Eigen::Vector3d& center_in_map_m,
+std::optional<Evidence::Target> Evidence::About(const Eigen::Vector3d& center_in_map_m,
                                                 double radius_m) const {
   const Eigen::Vector3d p = InCamera(center_in_map_m);
   if (p.z() <= 2.0 * radius_m) return std::nullopt;
@@ -189,36 +201,70 @@ std::optional<Evidence::Window> Evidence::About(const Eigen::Vector3d& center_in
         y + half_y <= fails_.rows - 1)) {
     return std::nullopt;
   }
-  return Window{static_cast<int>(std::floor(x - half_x)), static_cast<int>(std::ceil(x + half_x)),
-                static_cast<int>(std::floor(y - half_y)), static_cast<int>(std::ceil(y + half_y)),
+  return Target{{static_cast<int>(std::floor(x - half_x)), static_cast<int>(std::ceil(x + half_x)),
+                 static_cast<int>(std::floor(y - half_y)), static_cast<int>(std::ceil(y + half_y))},
                 static_cast<float>(p.z() - 0.5 * radius_m)};
 }
 
+int Evidence::Count(const cv::Mat1i& sum, const Window& w) {
+  return sum(w.y1 + 1, w.x1 + 1) - sum(w.y0, w.x1 + 1) - sum(w.y1 + 1, w.x0) + sum(w.y0, w.x0);
+}
+
 Evidence::Sees Evidence::SeeThrough(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
-  const std::optional<Window> w = About(center_in_map_m, radius_m);
-  if (!w) return Sees::kNothing;
-  const auto count = [&](const cv::Mat1i& sum) {
-    return sum(w->y1 + 1, w->x1 + 1) - sum(w->y0, w->x1 + 1) - sum(w->y1 + 1, w->x0) + sum(w->y0, w->x0);
-  };
-  if (count(fail_sum_) > 0) return Sees::kNothing;
-  for (const int row : {w->y0, (w->y0 + w->y1) / 2, w->y1}) {
-    for (const int column : {w->x0, (w->x0 + w->x1) / 2, w->x1}) {
-      if (reach_m_(row, column) < w->beyond_m) return Sees::kNothing;
+  const std::optional<Target> target = About(center_in_map_m, radius_m);
+  if (!target || Count(fail_sum_, target->window) > 0) return Sees::kNothing;
+  const Window& w = target->window;
+  for (const int row : {w.y0, (w.y0 + w.y1) / 2, w.y1}) {
+    for (const int column : {w.x0, (w.x0 + w.x1) / 2, w.x1}) {
+      if (reach_m_(row, column) < target->beyond_m) return Sees::kNothing;
     }
   }
-  if (count(doubt_sum_) > 0) return Sees::kPerhaps;
-  return count(ground_sum_) > 0 ? Sees::kLikely : Sees::kSure;
+  if (Count(doubt_sum_, w) > 0) return Sees::kPerhaps;
+  return Count(ground_sum_, w) > 0 ? Sees::kLikely : Sees::kSure;
 }
 
 bool Evidence::SeesPartly(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
-  const std::optional<Window> w = About(center_in_map_m, radius_m);
-  if (!w) return false;
-  for (const int row : {w->y0, (w->y0 + w->y1) / 2, w->y1}) {
-    for (const int column : {w->x0, (w->x0 + w->x1) / 2, w->x1}) {
-      if (fails_(row, column) == 0 && reach_m_(row, column) >= w->beyond_m) return true;
+  const std::optional<Target> target = About(center_in_map_m, radius_m);
+  if (!target) return false;
+  const Window& w = target->window;
+  for (const int row : {w.y0, (w.y0 + w.y1) / 2, w.y1}) {
+    for (const int column : {w.x0, (w.x0 + w.x1) / 2, w.x1}) {
+      if (fails_(row, column) == 0 && reach_m_(row, column) >= target->beyond_m) return true;
     }
   }
   return false;
+}
+
+Evidence::Window Evidence::Cover(const Eigen::Vector3d& center_in_camera_m, double radius_m) const {
+  const Intrinsics& k = view_.intrinsics;
+  const double depth_m = center_in_camera_m.z();
+  const double x = center_in_camera_m.x() / depth_m;
+  const double y = center_in_camera_m.y() / depth_m;
+  const double half_x = std::hypot(1.0, x) * radius_m / (depth_m - radius_m);
+  const double half_y = std::hypot(1.0, y) * radius_m / (depth_m - radius_m);
+  const auto pixel = [](double at) { return static_cast<int>(std::clamp(at, -1e6, 1e6)); };
+  return {pixel(std::floor(k.fx_px * (x - half_x) + k.cx_px)),
+          pixel(std::ceil(k.fx_px * (x + half_x) + k.cx_px)),
+          pixel(std::floor(k.fy_px * (y - half_y) + k.cy_px)),
+          pixel(std::ceil(k.fy_px * (y + half_y) + k.cy_px))};
+}
+
+std::optional<Evidence::Sees> Evidence::SeesAlike(const Eigen::Vector3d& center_in_map_m,
+                                                  double radius_m) const {
+  const Eigen::Vector3d p = InCamera(center_in_map_m);
+  const double near_m = p.z() - radius_m;
+  const double far_m = p.z() + radius_m;
+  if (far_m <= 0.0) return Sees::kNothing;
+  if (near_m <= radius_m) return std::nullopt;
+  const Window w = Cover(p, radius_m);
+  if (w.x1 < 0 || w.y1 < 0 || w.x0 >= fails_.cols || w.y0 >= fails_.rows) return Sees::kNothing;
+  if (w.x0 < 0 || w.y0 < 0 || w.x1 >= fails_.cols || w.y1 >= fails_.rows) return std::nullopt;
+  const RangePyramid::Range free_m = free_->Bound(w.x0, w.y0, w.x1, w.y1);
+  if (free_m.greatest < near_m && Count(thing_sum_, w) == 0) return Sees::kNothing;
+  if (free_m.least < far_m || Count(fail_sum_, w) > 0 || Count(doubt_sum_, w) > 0) return std::nullopt;
+  const int ground = Count(ground_sum_, w);
+  if (ground == 0) return Sees::kSure;
+  return ground == (w.x1 - w.x0 + 1) * (w.y1 - w.y0 + 1) ? std::optional(Sees::kLikely) : std::nullopt;
 }
 
 }  // namespace soffit

@@ -7,6 +7,7 @@
 
 #include "service/facade/facade.h"
 #include "service/scene/prediction.h"
+#include "service/scene/range_pyramid.h"
 
 namespace soffit {
 
@@ -34,6 +35,10 @@ class Evidence {
   /// False when no ray through the ball goes on free beyond it; some are tried.
   bool SeesPartly(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
 
+  /// What SeeThrough() says of each ball within this one, where one look tells that for all of them.
+  /// kNothing: moreover none of them is seen partly, and no thing may stand there.
+  std::optional<Sees> SeesAlike(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
+
   /// Whether something that the model does not have, and that is near, may stand at this point: it covers a
   /// part of the model that lies behind, or meets the ground here. What only shows before sky or far ground
   /// may be far away.
@@ -50,10 +55,13 @@ class Evidence {
     float far_m = 0.0F;  ///< 0: it may be anywhere.
   };
 
-  /// The pixels about a ball, up to and including the last ones, and the depth beyond which its rays have to
-  /// be free.
+  /// Pixels, up to and including the last ones.
   struct Window {
     int x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+  };
+  /// The pixels about a ball, and the depth beyond which its rays have to be free.
+  struct Target {
+    Window window;
     float beyond_m = 0.0F;
   };
   Eigen::Vector3d InCamera(const Eigen::Vector3d& point_in_map_m) const {
@@ -61,12 +69,18 @@ class Evidence {
   }
 
   /// None when the ball is not wholly in the picture.
-  std::optional<Window> About(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
+  std::optional<Target> About(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
+
+  /// Pixels that hold the windows of all balls within this one, in camera coordinates; perhaps beyond the
+  /// picture's edge. The camera is outside the ball.
+  Window Cover(const Eigen::Vector3d& center_in_camera_m, double radius_m) const;
+  static int Count(const cv::Mat1i& sum, const Window& window);
 
   void Compare(const Sight& sight, const Prediction& prediction);
   void NoteUnconfirmedGround(const Prediction& prediction, const cv::Mat1b& confirmed,
                              const Eigen::AlignedBox2d& region);
   void FindThings(const Sight& sight, const Prediction& prediction);
+  void SumUp(const Prediction& prediction);
 
   std::uint32_t capture_id_ = 0;
   View view_;
@@ -79,6 +93,8 @@ class Evidence {
   cv::Mat1i doubt_sum_;    ///< and of what is kPerhaps.
   cv::Mat1i component_;    ///< Index into `things_`; 0: none.
   std::vector<Thing> things_;
+  cv::Mat1i thing_sum_;               ///< Integral picture of where a thing of known depth shows.
+  std::optional<RangePyramid> free_;  ///< Of `reach_m_`; the greatest leaves out what fails.
 };
 
 }  // namespace soffit

@@ -9,6 +9,7 @@
 #include "service/scene/clutter.h"
 #include "service/scene/evidence.h"
 #include "service/scene/ground_check.h"
+#include "service/scene/octree.h"
 #include "service/scene/prediction.h"
 
 namespace soffit {
@@ -184,21 +185,6 @@ std::vector<Obstacle> GatherObstacles(const Carving& carving, Voxels& voxels) {
     }
   });
   return obstacles;
-}
-
-std::shared_ptr<const octomap::OcTree> PlantTree(Voxels& voxels) {
-  auto tree = std::make_shared<octomap::OcTree>(voxels.grid.voxel_m);
-  ForEach(voxels.grid, [&](const Index& at) {
-    const Voxel state = voxels.At(at);
-    if (state == Voxel::kUnknown) return;
-    const Eigen::Vector3d center = voxels.grid.Center(at[0], at[1], at[2]);
-    const float log_odds =
-        state == Voxel::kFree ? tree->getClampingThresMinLog() : tree->getClampingThresMaxLog();
-    tree->setNodeValue(center.x(), center.y(), center.z(), log_odds, true);
-  });
-  tree->updateInnerOccupancy();
-  tree->prune();
-  return tree;
 }
 
 /// A plain block for each building that was only seen from above: it may hide others.

@@ -46,7 +46,7 @@ struct Scene {
 struct SceneOptions {
   double voxel_m = 0.05;
   double margin_m = 3.0;
-  double max_voxels = 4e6;
+  double max_voxels = 1.6e7;
   int neighbours = 4;
 
   template <class Self, class Visitor>
