@@ -11,6 +11,7 @@
 #include "service/scene/ground_check.h"
 #include "service/scene/octree.h"
 #include "service/scene/prediction.h"
+#include "service/scene/support.h"
 
 namespace soffit {
 namespace {
@@ -242,6 +243,7 @@ Scene BuildScene(std::uint64_t revision, std::vector<SceneObject> objects, std::
     const Carving carving = CarveSpace(scene, *mapped, sights, std::move(voxels));
     voxels = carving.Judge();
     scene.obstacles = GatherObstacles(carving, voxels);
+    FreeUnsupported(voxels);
   }
   scene.octree = PlantTree(voxels);
   return scene;

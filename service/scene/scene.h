@@ -63,7 +63,8 @@ struct SceneOptions {
 /// Builds the next snapshot. A voxel is occupied when a solid touches it; free when a picture with a trusted
 /// pose saw through all of it, to a part of the model, to ground or to sky (space carving: K. Kutulakos, S.
 /// Seitz, 2000); occupied too when two pictures from different directions show something there that the model
-/// does not have and that is near: then it belongs to an obstacle. All others are unknown.
+/// does not have and that is near: then it belongs to an obstacle. All others are unknown, but for those that
+/// free ones enclose: nothing hovers.
 ///
 /// What the pictures show of the ground has to agree between them; see GroundCheck. The extent is that of
 /// the matched objects' solids and `margin_m` around them; without any, nothing is mapped. Pure.
