@@ -74,8 +74,8 @@ struct FacadeOptions {
 ///
 /// Structure has a hue of the mask's classes, also in deep shade. Sky is what is coloured like the upper part
 /// of the picture and what fades from there to the horizon. Ground has the chromaticity of the lower part of
-/// the picture, lit or in shadow; it lies below the horizon and sky above it. All else is unexplained. Pure;
-/// O(pixels).
+/// the picture, lit or in shadow, or fades from there into the haze at the horizon; it lies below the horizon
+/// and sky above it. All else is unexplained. Pure; O(pixels).
 ///
 /// A grey thing on grey ground that stays below the horizon is taken for a shadow: colour alone cannot tell.
 Sight LabelSight(const Image& image, const Mask& buildings, const FacadeOptions& options);

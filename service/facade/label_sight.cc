@@ -2,9 +2,11 @@
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <vector>
 
 #include "service/facade/facade.h"
+#include "service/facade/light.h"
 #include "shared/result/result.h"
 
 namespace soffit {
@@ -27,6 +29,10 @@ constexpr double kMinSkyShare = 2e-4;
 constexpr double kChromaReach = 0.022;
 constexpr double kDarkNoise = 4.0;      // Of 255: what noise and JPEG do to the chromaticity of dark pixels.
 constexpr double kDeepestShade = 0.18;  // Of the lit ground's median.
+constexpr double kHazeFall = 0.08;      // Tangent below the horizon: nearer ground is not hazy.
+constexpr std::size_t kMinHaze_px = 200;
+constexpr float kMostBeside = 0.06F;     // Of the way from the ground's light to that of the haze.
+constexpr double kMostVeilError = 0.08;  // Of the haze's share.
 constexpr int kMinSpeck_px = 8;
 
 /// Height of each pixel's ray above the horizon, as a tangent: affine in the pixel.
@@ -304,6 +310,79 @@ void MarkGround(const cv::Mat3b& smooth, const Horizon& horizon, cv::Mat1b& seen
   }
 }
 
+/// Median light of the pixels of one label whose rays rise between two tangents; none when there are few.
+std::optional<cv::Vec3f> MedianLight(const cv::Mat3b& smooth, const Horizon& horizon, const cv::Mat1b& seen,
+                                     Seen label, double from, double to) {
+  std::array<std::vector<float>, 3> channels;
+  for (int y = 0; y < seen.rows; ++y) {
+    for (int x = 0; x < seen.cols; ++x) {
+      const double rise = horizon.Rise(x, y);
+      if (seen(y, x) != static_cast<uchar>(label) || rise < from || rise > to) continue;
+      const cv::Vec3f light = Light(smooth(y, x));
+      for (int c = 0; c < 3; ++c) channels[static_cast<std::size_t>(c)].push_back(light[c]);
+    }
+  }
+  if (channels[0].size() < kMinHaze_px) return std::nullopt;
+  cv::Vec3f light;
+  for (int c = 0; c < 3; ++c)
+    light[c] = static_cast<float>(Quantile(channels[static_cast<std::size_t>(c)], 0.5));
+  return light;
+}
+
+/// Far ground as haze veils it: light fades exponentially with the distance (H. Koschmieder, 1924), which
+/// goes with 1 / fall, the tangent below the horizon.
+struct Haze {
+  cv::Vec3f ground;
+  cv::Vec3f sky;
+  double density = 0.0;  ///< Height of the camera over the distance at which 1 / e of the light is left.
+
+  /// Share of the haze in a pixel's light; none when its colour is no mixture.
+  std::optional<double> Veil(const cv::Vec3b& color) const {
+    const cv::Vec3f way = sky - ground;
+    const cv::Vec3f step = Light(color) - ground;
+    const float share = way.dot(step) / std::max(1.0F, way.dot(way));
+    if (cv::norm(step - share * way) > kMostBeside * cv::norm(way)) return std::nullopt;
+    return share;
+  }
+  bool Explains(const cv::Vec3b& color, double fall) const {
+    const std::optional<double> veil = Veil(color);
+    return veil && std::abs(*veil - (1.0 - std::exp(-density / fall))) < kMostVeilError;
+  }
+};
+
+/// Learned from what is below the horizon and has no label but may be hazy ground.
+std::optional<Haze> LearnHaze(const cv::Mat3b& smooth, const Horizon& horizon, const cv::Mat1b& seen) {
+  const auto ground = MedianLight(smooth, horizon, seen, Seen::kGround, -1.0, -kHazeFall);
+  const auto sky = MedianLight(smooth, horizon, seen, Seen::kSky, 0.0, kHazeFall);
+  if (!ground || !sky) return std::nullopt;
+  Haze haze{*ground, *sky};
+  std::vector<float> densities;
+  for (int y = 0; y < seen.rows; ++y) {
+    for (int x = 0; x < seen.cols; ++x) {
+      const double fall = -horizon.Rise(x, y);
+      if (seen(y, x) != 0 || fall <= 0.0 || fall > kHazeFall) continue;
+      const std::optional<double> veil = haze.Veil(smooth(y, x));
+      if (veil && *veil > 0.1 && *veil < 0.9)
+        densities.push_back(static_cast<float>(-std::log(1.0 - *veil) * fall));
+    }
+  }
+  if (densities.size() < kMinHaze_px) return std::nullopt;
+  haze.density = Quantile(densities, 0.5);
+  return haze;
+}
+
+void MarkHazyGround(const cv::Mat3b& smooth, const Horizon& horizon, cv::Mat1b& seen) {
+  const std::optional<Haze> haze = LearnHaze(smooth, horizon, seen);
+  if (!haze) return;
+  for (int y = 0; y < seen.rows; ++y) {
+    for (int x = 0; x < seen.cols; ++x) {
+      const double fall = -horizon.Rise(x, y);
+      if (seen(y, x) == 0 && fall > 0.0 && fall < kHazeFall && haze->Explains(smooth(y, x), fall))
+        seen(y, x) = static_cast<uchar>(Seen::kGround);
+    }
+  }
+}
+
 /// Single noisy pixels take the label that surrounds them; a thin line is not a speck.
 void DropSpecks(const Horizon& horizon, cv::Mat1b& seen) {
   cv::Mat1i component;
@@ -342,6 +421,7 @@ Sight LabelSight(const Image& image, const Mask& buildings, const FacadeOptions&
   MarkStructure(smooth, buildings, sight.seen);
   MarkSky(smooth, horizon, sight.seen);
   MarkGround(smooth, horizon, sight.seen);
+  MarkHazyGround(smooth, horizon, sight.seen);
   DropSpecks(horizon, sight.seen);
   sight.shown = image.seen & cv::Rect(0, 0, sight.seen.cols, sight.seen.rows);
   cv::Mat1b outside(sight.seen.size(), uchar{255});

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "service/facade/wall.h"
-#include "shared/result/result.h"
 #include "test/support/painted_world.h"
 
 namespace soffit {
@@ -15,46 +14,12 @@ using test::Look;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-Seen At(const Sight& sight, const Eigen::Vector3d& point) {
-  const auto pixel = Project(sight.view, point);
-  return static_cast<Seen>(sight.seen(static_cast<int>(pixel->y()), static_cast<int>(pixel->x())));
-}
-
 std::vector<Facade> Read(const Arch& arch, const std::vector<View>& views,
                          const std::vector<test::Thing>& more = {}) {
   std::vector<test::Thing> things = {arch.thing()};
   things.insert(things.end(), more.begin(), more.end());
   const auto seeing = Look(views, things);
   return ReadFacades(arch.footprint(), seeing.images, seeing.masks, seeing.sights, {});
-}
-
-TEST(LabelSight, TellsStructureGroundAndSkyApart) {
-  const auto seeing = Look({test::FromSouth()}, {Arch{}.thing()});
-  const Sight& sight = seeing.sights.front();
-  EXPECT_EQ(At(sight, {1.5, -0.75, 1.0}), Seen::kStructure);
-  EXPECT_EQ(At(sight, {1.5, -1.5, 0.0}), Seen::kGround);
-  EXPECT_EQ(At(sight, {0.0, 20.0, 1.8}), Seen::kSky);
-}
-
-TEST(LabelSight, TakesADarkPoleForUnexplained) {
-  const test::Thing pole = test::Block(test::Box(-0.05, -1.3, 0.05, -1.2), 0.0, 2.5, {30, 60, 30});
-  const auto seeing = Look({test::FromSouth()}, {Arch{}.thing(), pole});
-  EXPECT_EQ(At(seeing.sights.front(), {0.0, -1.3, 1.3}), Seen::kUnexplained);
-  EXPECT_EQ(At(seeing.sights.front(), {0.0, -1.3, 0.5}), Seen::kUnexplained);
-}
-
-TEST(LabelSight, GivesTheSameBytesTwice) {
-  const auto a = Look({test::FromSouth()}, {Arch{}.thing()});
-  const auto b = Look({test::FromSouth()}, {Arch{}.thing()});
-  EXPECT_EQ(cv::norm(a.sights[0].seen, b.sights[0].seen, cv::NORM_INF), 0.0);
-}
-
-TEST(LabelSight, RefusesAMaskOfAnotherSize) {
-  Image image;
-  image.bgr = cv::Mat3b(10, 10);
-  Mask mask;
-  mask.label = cv::Mat1b(5, 5);
-  EXPECT_THROW(LabelSight(image, mask, {}), ContractViolation);
 }
 
 TEST(ReadFacades, MeasuresASeeThroughOpening) {
