@@ -35,15 +35,16 @@ std::optional<Elevation> Rectify(const Polygon& footprint, int side, double heig
 
   const double up_to_m = kRoofSearch * (height_m > 0.0 ? height_m : kFallbackHeight_m);
   const Intrinsics& k = sight.view.intrinsics;
-  const double pixel_m = view.camera_front_m / k.fx_px;
-  view.cell_m =
-      std::max({resolution_m, kCellPerPixel * pixel_m, view.wall.width_m / kMaxCells, up_to_m / kMaxCells});
+  view.pixel_m = view.camera_front_m / k.fx_px;
+  view.cell_m = std::max(
+      {resolution_m, kCellPerPixel * view.pixel_m, view.wall.width_m / kMaxCells, up_to_m / kMaxCells});
   view.pose_std_m = std::hypot(sight.view.position_std_m, distance * sight.view.orientation_std_rad);
   const int columns = static_cast<int>(view.wall.width_m / view.cell_m);
   const int rows = static_cast<int>(up_to_m / view.cell_m);
   if (columns < 4 || rows < 4) return std::nullopt;
 
   view.seen = cv::Mat1b(rows, columns, static_cast<uchar>(Seen::kUnexplained));
+  view.bgr = cv::Mat3b(rows, columns, cv::Vec3b(0, 0, 0));
   view.is_visible = cv::Mat1b(rows, columns, uchar{0});
   const int highest = std::min(rows - 1, view.Row(height_m));
   int visible_columns = 0;
@@ -63,6 +64,7 @@ std::optional<Elevation> Rectify(const Polygon& footprint, int side, double heig
         seen = static_cast<uchar>(Seen::kUnexplained);
       }
       view.seen(row, column) = seen;
+      view.bgr(row, column) = sight.bgr(at);
       view.is_visible(row, column) = 1;
     }
     if (view.is_visible(0, column) != 0 && view.is_visible(highest, column) != 0) ++visible_columns;

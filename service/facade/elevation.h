@@ -14,10 +14,12 @@ struct Elevation {
   Wall wall;
   std::uint32_t capture_id = 0;
   double cell_m = 0.0;
+  double pixel_m = 0.0;  ///< Of the picture, on the wall where it is nearest.
   Eigen::Vector2d camera_uv_m = Eigen::Vector2d::Zero();  ///< Foot of the camera on the wall's plane.
   double camera_front_m = 0.0;                            ///< Distance of the camera from that plane, > 0.
   double pose_std_m = 0.0;     ///< What the pose's uncertainty amounts to on the wall.
   cv::Mat1b seen;              ///< `Seen`; structure of another colour class is kUnexplained.
+  cv::Mat3b bgr;               ///< Black where it is not visible.
   cv::Mat1b is_visible;        ///< 0 where the cell lies outside the picture or behind the building itself.
   double visible_ratio = 0.0;  ///< Share of the columns that are visible from the wall's foot to its height.
   double quality = 0.0;        ///< For the choice between pictures: visible, square on and close is best.

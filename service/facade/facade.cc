@@ -8,6 +8,7 @@
 #include "service/facade/elevation.h"
 #include "service/facade/median.h"
 #include "service/facade/recess.h"
+#include "service/facade/seam.h"
 #include "service/facade/wall.h"
 #include "shared/result/result.h"
 
@@ -76,6 +77,7 @@ Height MeasureHeight(const Footprint& object, const std::vector<Elevation>& view
 struct Gap {
   cv::Rect bounds;
   cv::Mat1b inside;  ///< Size of the elevation, cropped to `bounds`.
+  cv::Mat1b open;    ///< `inside` without the wall's half of the seams of mixed colours.
   bool is_standing = false;
 };
 
@@ -90,8 +92,11 @@ std::vector<Gap> FindGaps(const Elevation& view, double height_m, double min_ope
     }
   }
   const int reach = std::max(1, static_cast<int>(0.1 * min_opening_m / view.cell_m));
-  cv::morphologyEx(gap, gap, cv::MORPH_OPEN,
-                   cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * reach + 1, 2 * reach + 1)));
+  const cv::Mat kernel = cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * reach + 1, 2 * reach + 1));
+  cv::Mat1b open;
+  cv::bitwise_and(gap, SplitSeams(view).rowRange(0, rows), open);
+  cv::morphologyEx(open, open, cv::MORPH_OPEN, kernel);
+  cv::morphologyEx(gap, gap, cv::MORPH_OPEN, kernel);
   cv::Mat1i component;
   cv::Mat stats, centers;
   const int count = cv::connectedComponentsWithStats(gap, component, stats, centers, 8, CV_32S);
@@ -108,6 +113,7 @@ std::vector<Gap> FindGaps(const Elevation& view, double height_m, double min_ope
     if (is_at_end && found.bounds.width * view.cell_m < kMisfitSigmas * view.pose_std_m)
       continue;  // Beside the wall.
     found.inside = component(found.bounds) == i;
+    cv::bitwise_and(found.inside, open(found.bounds), found.open);
     gaps.push_back(found);
   }
   return gaps;
@@ -207,7 +213,7 @@ Span MeasureSides(const Elevation& view, const Gap& gap, const Mouth& mouth) {
     int first = -1;
     int last = -1;
     for (int column = 0; column < gap.inside.cols; ++column) {
-      if (gap.inside(row, column) == 0) continue;
+      if (gap.open(row, column) == 0) continue;
       if (first < 0) first = column;
       last = column;
     }
@@ -309,7 +315,7 @@ std::vector<Eigen::Vector2d> TraceHead(const Elevation& view, const Gap& gap, co
   for (int column = 0; column < gap.inside.cols; ++column) {
     int top = -1;
     for (int row = gap.inside.rows - 1; row >= 0 && top < 0; --row) {
-      if (gap.inside(row, column) != 0) top = row;
+      if (gap.open(row, column) != 0) top = row;
     }
     if (top < 0) continue;
     const Eigen::Vector2d seen(view.Center(gap.bounds.x + column, 0).x(),
