@@ -202,8 +202,12 @@ class Mission:
         self.start("soffitd", "--config", self.write_config("soffitd", self.service_config(radio, local)))
         self.start("soffit-agent", "--config", self.write_config("agent", self.agent_config(radio, link, cameras)))
 
+    def place(self, program):
+        """What to put before the command of a program to run it elsewhere."""
+        return []
+
     def start(self, name, *arguments):
-        process = Process(name, [self.tool(name), *arguments], self.out / "log" / f"{name}.log")
+        process = Process(name, [*self.place(name), self.tool(name), *arguments], self.out / "log" / f"{name}.log")
         self.processes.append(process)
         return process
 
@@ -235,7 +239,7 @@ class Mission:
 
     def run_mission(self):
         """Starts the mission over DDS, as an operator does, and follows it to its end."""
-        command = [self.tool("soffit"), "mission", "start", "--config", self.out / "config" / "soffitd.yaml",
+        command = [*self.place("soffit"), self.tool("soffit"), "mission", "start", "--config", self.out / "config" / "soffitd.yaml",
                    "--vehicle", VEHICLE_ID, "--reference", self.reference, "--watch",
                    "--area", *self.setting["mission"]["area_center"]]
         with open(self.out / "log" / "mission.log", "w") as log:

@@ -24,11 +24,13 @@ void Endpoint::SetMatched(int count) {
   changed_.notify_all();
 }
 
-Bus::Bus(dds::DomainParticipant* participant, std::unique_ptr<Discovery> discovery, bool has_flow_control,
+Bus::Bus(dds::DomainParticipant* participant, std::unique_ptr<Discovery> discovery,
+         const LinkProfile& profile, std::shared_ptr<const FragmentCounter> fragments,
          Participant::ProblemHandler on_problem)
     : discovery_(std::move(discovery)),
       participant_(participant),
-      has_flow_control_(has_flow_control),
+      profile_(profile),
+      fragments_(std::move(fragments)),
       on_problem_(std::move(on_problem)) {
   publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
   subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
@@ -53,8 +55,7 @@ dds::Topic* Bus::FindOrMakeTopic(const std::string& name, dds::TypeSupport& type
 
 dds::DataWriter* Bus::MakeWriter(const std::string& topic, dds::TypeSupport type, TopicKind kind) {
   const std::lock_guard lock(making_mutex_);
-  auto* writer =
-      publisher_->create_datawriter(FindOrMakeTopic(topic, type), MakeWriterQos(kind, has_flow_control_));
+  auto* writer = publisher_->create_datawriter(FindOrMakeTopic(topic, type), MakeWriterQos(kind, profile_));
   if (writer == nullptr) throw std::runtime_error("DDS refuses to make a writer of " + topic);
   return writer;
 }

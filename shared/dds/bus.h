@@ -21,6 +21,8 @@
 #include <thread>
 
 #include "shared/dds/discovery.h"
+#include "shared/dds/fragment_counter.h"
+#include "shared/dds/link_profile.h"
 #include "shared/dds/participant.h"
 #include "shared/dds/topic.h"
 
@@ -47,7 +49,8 @@ class Endpoint {
 class Bus {
  public:
   Bus(eprosima::fastdds::dds::DomainParticipant* participant, std::unique_ptr<Discovery> discovery,
-      bool has_flow_control, Participant::ProblemHandler on_problem);
+      const LinkProfile& profile, std::shared_ptr<const FragmentCounter> fragments,
+      Participant::ProblemHandler on_problem);
   ~Bus();
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
@@ -71,6 +74,7 @@ class Bus {
   void ReportMisfits(const eprosima::fastdds::dds::DataReader& reader);
 
   const Discovery& discovery() const { return *discovery_; }
+  const FragmentCounter& fragments() const { return *fragments_; }
 
  private:
   eprosima::fastdds::dds::Topic* FindOrMakeTopic(const std::string& name,
@@ -82,7 +86,8 @@ class Bus {
   eprosima::fastdds::dds::DomainParticipant* participant_;
   eprosima::fastdds::dds::Publisher* publisher_ = nullptr;
   eprosima::fastdds::dds::Subscriber* subscriber_ = nullptr;
-  bool has_flow_control_;
+  LinkProfile profile_;
+  std::shared_ptr<const FragmentCounter> fragments_;
   Participant::ProblemHandler on_problem_;
   eprosima::fastdds::dds::WaitSet wait_set_;
   eprosima::fastdds::dds::GuardCondition stop_;

@@ -39,7 +39,7 @@ DdsOptions DefaultRadioOptions() {
   DdsOptions options;
   options.domain_id = 41;
   options.udp_only = true;
-  options.flow_bytes_per_ms = 2800;
+  options.profile = "wifi";
   return options;
 }
 
@@ -52,11 +52,18 @@ DdsOptions DefaultLocalOptions() {
 
 std::vector<RemoteEndpoint> Participant::Discovered() const { return bus_->discovery().List(); }
 
+FragmentCounts Participant::CountFragments() const {
+  return {bus_->fragments().sent(), bus_->fragments().sent_again()};
+}
+
 Result<Participant> Participant::Join(const std::string& name, const DdsOptions& options,
                                       ProblemHandler on_problem) {
   if (const std::string problem = FindOptionProblem(options); !problem.empty())
     return InvalidInput("DDS: " + problem);
-  const auto qos = dds_internal::MakeParticipantQos(name, options);
+  const Result<LinkProfile> profile = FindLinkProfile(options);
+  if (!profile.ok()) return profile.error();
+  const auto fragments = std::make_shared<dds_internal::FragmentCounter>();
+  const auto qos = dds_internal::MakeParticipantQos(name, options, profile.value(), fragments);
   if (!qos.ok()) return qos.error();
   KeepLibraryOffStandardOutput();
   auto discovery = std::make_unique<dds_internal::Discovery>();
@@ -68,8 +75,8 @@ Result<Participant> Participant::Join(const std::string& name, const DdsOptions&
                  "cannot join DDS domain " + std::to_string(options.domain_id) +
                      ": check that the interfaces of the configuration exist (soffit doctor)"};
   }
-  return Participant(std::make_shared<dds_internal::Bus>(
-      participant, std::move(discovery), options.flow_bytes_per_ms > 0, std::move(on_problem)));
+  return Participant(std::make_shared<dds_internal::Bus>(participant, std::move(discovery), profile.value(),
+                                                         fragments, std::move(on_problem)));
 }
 
 }  // namespace soffit

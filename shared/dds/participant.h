@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -16,6 +17,7 @@ struct DdsOptions {
   bool udp_only = false;
   std::vector<std::string> interfaces;
   std::vector<std::string> peers;
+  std::string profile = "local";
   int flow_bytes_per_ms = 0;
 
   template <class Self, class Visitor>
@@ -26,9 +28,16 @@ struct DdsOptions {
           OptionInfo{0, 0, "", "IPv4 addresses of the only interfaces to use; empty: all (with udp_only)"});
     field("peers", self.peers,
           OptionInfo{0, 0, "", "Hosts to look for where there is no multicast; empty: multicast"});
+    field("profile", self.profile,
+          OptionInfo{
+              0, 0, "",
+              "The link: local (one machine), wired (100 Mbit/s), wifi (20), lte (6), telemetry (0.2); sets "
+              "fragments, flow, heartbeats and the size of pictures; the same at both ends"});
     field("flow_bytes_per_ms", self.flow_bytes_per_ms,
-          OptionInfo{0, 1000000, "B/ms",
-                     "Budget of all large data, about 80 % of the link (2800: 28 Mbit/s); 0: no limit"});
+          OptionInfo{
+              0, 1000000, "B/ms",
+              "Budget of all large data where the link is another one: about 80 % of it (2800: 28 Mbit/s); "
+              "0: that of the profile"});
   }
 };
 
@@ -52,6 +61,12 @@ namespace dds_internal {
 class Bus;
 }
 
+/// Parts of large values, as they are sent.
+struct FragmentCounts {
+  std::uint64_t sent = 0;
+  std::uint64_t sent_again = 0;  ///< Of these: had been sent before.
+};
+
 /// A member of one DDS domain. Readers and writers that are made from it may outlive it.
 ///
 /// All callbacks of its readers, and `on_problem`, run on one thread of the participant, one after another;
@@ -69,6 +84,9 @@ class Participant {
 
   /// What has been discovered so far; complete about a second after joining.
   std::vector<RemoteEndpoint> Discovered() const;
+
+  /// Since joining; counted with `udp_only`.
+  FragmentCounts CountFragments() const;
 
   const std::shared_ptr<dds_internal::Bus>& bus() const { return bus_; }
 

@@ -17,8 +17,6 @@ using eprosima::fastrtps::rtps::Locator_t;
 
 constexpr int kMaxParticipantsOfAHost = 16;
 constexpr int kMaxKeys = 4096;
-const Duration_t kHeartbeatPeriod(
-    0.05);  // The default of 3 s is the time that the repair of a lost tail would take.
 
 bool IsIpv4(const std::string& text) {
   in_addr address{};
@@ -81,7 +79,9 @@ void SetCommon(TopicKind kind, Qos& qos) {
 
 }  // namespace
 
-Result<dds::DomainParticipantQos> MakeParticipantQos(const std::string& name, const DdsOptions& options) {
+Result<dds::DomainParticipantQos> MakeParticipantQos(const std::string& name, const DdsOptions& options,
+                                                     const LinkProfile& profile,
+                                                     const std::shared_ptr<FragmentCounter>& fragments) {
   dds::DomainParticipantQos qos;
   qos.name(name);
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
@@ -104,22 +104,25 @@ Result<dds::DomainParticipantQos> MakeParticipantQos(const std::string& name, co
       udp->interfaceWhiteList.push_back(interface);
     }
     qos.transport().use_builtin_transports = false;
-    qos.transport().user_transports.push_back(udp);
+    qos.transport().user_transports.push_back(CountFragments(udp, fragments));
   }
-  if (options.flow_bytes_per_ms > 0) {
+  if (profile.flow_bytes > 0) {
     const auto flow = std::make_shared<rtps::FlowControllerDescriptor>();
     flow->name = kFlowControllerName;
-    flow->max_bytes_per_period = options.flow_bytes_per_ms;
-    flow->period_ms = 1;
+    flow->max_bytes_per_period = profile.flow_bytes;
+    flow->period_ms = static_cast<std::uint64_t>(profile.flow_period_ms);
     qos.flow_controllers().push_back(flow);
   }
   return qos;
 }
 
-dds::DataWriterQos MakeWriterQos(TopicKind kind, bool has_flow_control) {
+dds::DataWriterQos MakeWriterQos(TopicKind kind, const LinkProfile& profile) {
   dds::DataWriterQos qos;
   SetCommon(kind, qos);
-  qos.reliable_writer_qos().times.heartbeatPeriod = kHeartbeatPeriod;
+  const bool is_large = kind == TopicKind::kPicture || kind == TopicKind::kLatched;
+  // The library's 3 s are the time that the repair of a lost tail would take.
+  qos.reliable_writer_qos().times.heartbeatPeriod =
+      Duration_t(is_large ? profile.large_heartbeat_s : profile.heartbeat_s);
   if (kind == TopicKind::kCommand) qos.lifespan().duration = Duration_t(kCommandLifespan_s);
   if (kind == TopicKind::kPicture) {  // KEEP_LAST would give up a half-sent picture for the next one.
     qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
@@ -128,9 +131,9 @@ dds::DataWriterQos MakeWriterQos(TopicKind kind, bool has_flow_control) {
     qos.resource_limits().max_samples_per_instance = 2;
     qos.reliability().max_blocking_time = Duration_t(0.05);
   }
-  if (kind == TopicKind::kPicture || kind == TopicKind::kLatched) {
+  if (is_large) {
     qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
-    if (has_flow_control) qos.publish_mode().flow_controller_name = kFlowControllerName;
+    if (profile.flow_bytes > 0) qos.publish_mode().flow_controller_name = kFlowControllerName;
   }
   return qos;
 }

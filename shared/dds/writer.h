@@ -42,6 +42,10 @@ class Writer {
   }
 
   int matched_readers() const { return core_->matched(); }
+
+  /// How many readers have left so far. When the number has changed since a value was written, its
+  /// acknowledgement tells nothing of them.
+  int CountDepartedReaders() { return core_->ReadMatches(); }
   bool WaitForReader(std::chrono::milliseconds timeout) { return core_->WaitForMatch(timeout); }
 
  private:
@@ -67,10 +71,16 @@ class Writer {
       bus->Remove(writer);
     }
 
-    void Serve() override {
+    /// How many readers have left.
+    int ReadMatches() {
       eprosima::fastdds::dds::PublicationMatchedStatus match;
       if (writer->get_publication_matched_status(match) == ReturnCode::RETCODE_OK)
         this->SetMatched(match.current_count);
+      return match.total_count - match.current_count;
+    }
+
+    void Serve() override {
+      ReadMatches();
       eprosima::fastdds::dds::OfferedIncompatibleQosStatus misfit;
       if (writer->get_offered_incompatible_qos_status(misfit) == ReturnCode::RETCODE_OK &&
           misfit.total_count_change > 0) {

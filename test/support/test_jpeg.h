@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -69,12 +70,7 @@ inline Bytes MakeShutterSegment(unsigned numerator, unsigned denominator) {
   return TakeSegment(data);
 }
 
-/// A real picture: level `grey`, 0 black to 255 white, with a slant of a few levels.
-inline Bytes MakeGreyJpeg(int width_px, int height_px, int grey = 128, const Bytes& segment = {}) {
-  std::vector<std::uint8_t> pixels;
-  for (int i = 0; i < width_px * height_px; ++i) {
-    pixels.push_back(static_cast<std::uint8_t>(std::clamp(grey + i % width_px / 16, 0, 255)));
-  }
+inline Bytes EncodeGrey(const Bytes& pixels, int width_px, int height_px) {
   tjhandle encoder = tjInitCompress();
   unsigned char* coded = nullptr;
   unsigned long size = 0;
@@ -82,8 +78,26 @@ inline Bytes MakeGreyJpeg(int width_px, int height_px, int grey = 128, const Byt
   Bytes bytes(coded, coded + size);
   tjFree(coded);
   tjDestroy(encoder);
+  return bytes;
+}
+
+/// A real picture: level `grey`, 0 black to 255 white, with a slant of a few levels.
+inline Bytes MakeGreyJpeg(int width_px, int height_px, int grey = 128, const Bytes& segment = {}) {
+  Bytes pixels;
+  for (int i = 0; i < width_px * height_px; ++i) {
+    pixels.push_back(static_cast<std::uint8_t>(std::clamp(grey + i % width_px / 16, 0, 255)));
+  }
+  Bytes bytes = EncodeGrey(pixels, width_px, height_px);
   bytes.insert(bytes.begin() + 2, segment.begin(), segment.end());
   return bytes;
+}
+
+/// A real picture that is large for its size.
+inline Bytes MakeNoiseJpeg(int width_px, int height_px) {
+  std::mt19937 random(1);
+  Bytes pixels(static_cast<std::size_t>(width_px * height_px));
+  for (std::uint8_t& pixel : pixels) pixel = static_cast<std::uint8_t>(random());
+  return EncodeGrey(pixels, width_px, height_px);
 }
 
 /// A file with the structure of a JPEG: it shows nothing.

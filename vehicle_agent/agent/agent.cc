@@ -13,6 +13,8 @@ namespace {
 constexpr double kDownIsBelow_rad = -std::numbers::pi / 4.0;  // Steeper looks use the downward camera.
 constexpr double kRivalTimeout_s = 3.0;
 constexpr double kMaxStep_s = 0.25;
+constexpr double kAnswerAgainFor_s = 5.0;  // A link that comes back needs some time until it carries answers.
+constexpr double kAnswerAgainEvery_s = 1.0;
 
 /// Whether a stage can be paused: the others bring the vehicle to safety, or the autopilot does them.
 bool CanWait(Stage::Kind kind) {
@@ -50,7 +52,9 @@ void Agent::Handle(const Telemetry& telemetry, Instant now) {
 }
 
 void Agent::Handle(const ServiceHeartbeat& heartbeat, Instant now) {
-  if (!ledger_.IsOver(heartbeat.mission_id)) service_heard_ = now;
+  if (ledger_.IsOver(heartbeat.mission_id)) return;
+  if (IsServiceSilent(now)) service_found_ = now;
+  service_heard_ = now;
 }
 
 void Agent::Handle(const PictureOutcome& outcome, Instant) {
@@ -150,7 +154,19 @@ void Agent::Answer(const FlightCommand& command, AckStatus status, const std::st
   ack.status = status;
   ack.reason = reason;
   outputs_.acks.push_back(ack);
+  answered_ = now;
   ledger_.Keep(ack);
+}
+
+/// The newest answer may have been lost while the service could not be reached.
+void Agent::AnswerAgain(Instant now) {
+  if (!service_found_ || SecondsBetween(*service_found_, now) > kAnswerAgainFor_s) return;
+  if (SecondsBetween(answered_, now) < kAnswerAgainEvery_s) return;
+  answered_ = now;
+  if (CommandAck* const newest = ledger_.FindNewestAnswer()) {
+    newest->stamp_utc_ns = now.utc_ns;
+    outputs_.acks.push_back(*newest);
+  }
 }
 
 void Agent::Begin(const FlightCommand& command, Instant now) {
@@ -189,6 +205,7 @@ void Agent::Handle(const Beat&, Instant now) {
   const std::string loss = FindLossOfControl();
   if (!loss.empty() && loss != last_loss_ && (command_ || is_airborne_)) Note(loss);
   last_loss_ = loss;
+  AnswerAgain(now);
   if (!loss.empty()) {
     FinishCommand(AckStatus::kFailed, loss, now);
     trouble_.reset();

@@ -106,6 +106,7 @@ class Agent {
   // Commands
   GuardContext MakeContext(const FlightCommand& command, Instant now) const;
   void Answer(const FlightCommand& command, AckStatus status, const std::string& reason, Instant now);
+  void AnswerAgain(Instant now);
   void Begin(const FlightCommand& command, Instant now);
   void FinishCommand(AckStatus status, const std::string& reason, Instant now);
 
@@ -153,6 +154,7 @@ class Agent {
   Instant began_;
   Instant last_beat_;
   Instant service_heard_;
+  std::optional<Instant> service_found_;  ///< Heard again after silence.
   Instant position_seen_;
   std::optional<RivalHeard> rival_;
   Instant rival_heard_;
@@ -160,6 +162,7 @@ class Agent {
 
   // What is being done
   CommandLedger ledger_;
+  Instant answered_;
   std::optional<FlightCommand> command_;
   Plan plan_;
   std::optional<StageRun> run_;  ///< Of the plan's first stage, once it has begun.

@@ -21,6 +21,7 @@ class CommandLedger {
 
   /// The latest answer to a command that is no news; null when it is.
   CommandAck* FindAnswer(const FlightCommand& command);
+  CommandAck* FindNewestAnswer() { return answers_.empty() ? nullptr : &answers_.rbegin()->second; }
 
   /// A command is the next one, of this mission or of a new one. Its number is used up, whatever becomes of
   /// it.

@@ -1,5 +1,6 @@
 #include "vehicle_agent/edge/agent_config.h"
 
+#include "shared/dds/link_profile.h"
 #include "shared/geometry/polygon.h"
 
 namespace soffit {
@@ -12,6 +13,9 @@ std::string FindConfigProblem(const AgentConfig& config) {
     }
     const Result<Intrinsics> intrinsics = MakeIntrinsics(*options);
     if (!intrinsics.ok()) return name + "." + intrinsics.error().message;
+  }
+  if (const auto profile = FindLinkProfile(config.radio); !profile.ok()) {
+    return "radio." + profile.error().message;
   }
   if (!config.guard.fence.empty()) {
     Ring ring;

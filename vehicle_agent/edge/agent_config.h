@@ -51,7 +51,7 @@ struct AgentConfig {
   std::string mavlink_key_file;
   double state_rate_hz = 10.0;
   double pose_wait_s = 0.5;
-  double send_timeout_s = 20.0;
+  double send_timeout_s = 40.0;
   std::string log_level = "info";
   DdsOptions radio = DefaultRadioOptions();
   AutopilotOptions autopilot;

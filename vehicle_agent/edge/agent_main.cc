@@ -1,3 +1,4 @@
+#include <spdlog/sinks/systemd_sink.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +11,7 @@
 #include "vehicle_agent/edge/agent_config.h"
 #include "vehicle_agent/edge/check.h"
 #include "vehicle_agent/edge/station.h"
+#include "vehicle_agent/edge/supervisor.h"
 
 namespace {
 
@@ -63,6 +65,9 @@ int main(int argc, char** argv) try {
   }
   std::signal(SIGINT, StopOnSignal);
   std::signal(SIGTERM, StopOnSignal);
+  if (soffit::LogsToJournal()) {
+    spdlog::set_default_logger(spdlog::systemd_logger_mt("soffit-agent"));
+  }
   spdlog::set_level(spdlog::level::from_str(config.value().log_level));
   spdlog::set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
   spdlog::flush_on(spdlog::level::info);

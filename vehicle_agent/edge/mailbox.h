@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "shared/dds/participant.h"
 #include "shared/result/result.h"
 #include "vehicle_agent/agent/agent.h"
 #include "vehicle_agent/camera/camera.h"
@@ -23,8 +24,23 @@ struct CameraTried {
   std::string problem;
 };
 
+/// What became of a picture that was to be sent.
+struct DeliveryReport {
+  std::uint32_t capture_id = 0;
+  int width_px = 0;  ///< As it was sent.
+  int height_px = 0;
+  std::size_t size_bytes = 0;
+  double latency_s = 0.0;  ///< From the first byte to the acknowledgement.
+  int tries = 0;           ///< More than one when the service was lost and found meanwhile.
+  FragmentCounts fragments;
+};
+struct PictureDelivered {
+  PictureOutcome outcome;
+  DeliveryReport report;
+};
+
 using Letter =
-    std::variant<FlightCommand, ServiceHeartbeat, RivalHeard, PictureTaken, CameraTried, PictureOutcome>;
+    std::variant<FlightCommand, ServiceHeartbeat, RivalHeard, PictureTaken, CameraTried, PictureDelivered>;
 
 /// From the threads of bus, cameras and sender to the one that thinks.
 class Mailbox {

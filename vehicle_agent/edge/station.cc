@@ -29,14 +29,17 @@ Instant ReadClocks() {
 Result<std::unique_ptr<Station>> Station::Open(const AgentConfig& config, std::uint64_t epoch) {
   Result<AutopilotLine> line = AutopilotLine::Open(config.mavlink, config.mavlink_key_file);
   if (!line.ok()) return line.error();
+  const Result<LinkProfile> profile = FindLinkProfile(config.radio);
+  if (!profile.ok()) return profile.error();
   Result<Participant> radio =
       Participant::Join("soffit-agent " + config.vehicle.name, config.radio, MakeProblemLogger());
   if (!radio.ok()) return radio.error();
   return std::unique_ptr<Station>(
-      new Station(config, epoch, std::move(line).value(), std::move(radio).value()));
+      new Station(config, profile.value(), epoch, std::move(line).value(), std::move(radio).value()));
 }
 
-Station::Station(const AgentConfig& config, std::uint64_t epoch, AutopilotLine line, Participant radio)
+Station::Station(const AgentConfig& config, const LinkProfile& profile, std::uint64_t epoch,
+                 AutopilotLine line, Participant radio)
     : config_(config),
       line_(std::move(line)),
       autopilot_(config.autopilot, IsPresent(config.cameras.gimbal)),
@@ -44,7 +47,7 @@ Station::Station(const AgentConfig& config, std::uint64_t epoch, AutopilotLine l
       radio_(std::move(radio)),
       states_(radio_),
       acks_(radio_),
-      sender_(radio_, config.send_timeout_s, mailbox_),
+      sender_(radio_, profile, config.send_timeout_s, mailbox_),
       commands_(radio_, [this](const FlightCommand& command) { mailbox_.Put(command); }),
       heartbeats_(
           radio_,
@@ -68,6 +71,7 @@ Station::Station(const AgentConfig& config, std::uint64_t epoch, AutopilotLine l
 }
 
 void Station::Run(const std::atomic<bool>& stop) {
+  supervisor_.SayReady();
   while (!stop) {
     for (const mavlink::Frame& frame : line_.Receive(kBeat)) autopilot_.Receive(frame, ReadClocks());
     const Instant now = ReadClocks();
@@ -75,6 +79,7 @@ void Station::Run(const std::atomic<bool>& stop) {
     DevelopPictures(now);
     ExchangeWithAutopilot(now);
     PublishState(now);
+    supervisor_.SayAlive(now);
   }
 }
 
@@ -112,6 +117,17 @@ void Station::Open(const PictureTaken& taken, Instant now) {
                 now);
   }
   negatives_.push_back({taken, now});
+}
+
+void Station::Open(const PictureDelivered& delivered, Instant now) {
+  const DeliveryReport& report = delivered.report;
+  if (delivered.outcome.problem.empty()) {
+    spdlog::info("picture {} arrived: {} x {}, {} kB in {:.2f} s, {} of {} fragments sent again{}",
+                 report.capture_id, report.width_px, report.height_px, report.size_bytes / 1000,
+                 report.latency_s, report.fragments.sent_again, report.fragments.sent,
+                 report.tries > 1 ? ", the service was lost and found meanwhile" : "");
+  }
+  Tell(delivered.outcome, now);
 }
 
 void Station::DevelopPictures(Instant now) {
@@ -152,6 +168,8 @@ void Station::PublishState(Instant now) {
   if (state.phase != told_phase_ || state.message.find("silent for") == std::string::npos) {
     spdlog::info("{}{}{}", ToString(state.phase), state.message.empty() ? "" : ": ", state.message);
   }
+  supervisor_.SayStatus(std::string(ToString(state.phase)) + (state.message.empty() ? "" : ": ") +
+                        state.message);
   told_phase_ = state.phase;
   told_message_ = state.message;
 }

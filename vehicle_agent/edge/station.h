@@ -16,6 +16,7 @@
 #include "vehicle_agent/edge/camera_post.h"
 #include "vehicle_agent/edge/mailbox.h"
 #include "vehicle_agent/edge/picture_sender.h"
+#include "vehicle_agent/edge/supervisor.h"
 
 namespace soffit {
 
@@ -36,14 +37,15 @@ class Station {
     Instant since;
   };
 
-  Station(const AgentConfig& config, std::uint64_t epoch, AutopilotLine line, Participant radio);
+  Station(const AgentConfig& config, const LinkProfile& profile, std::uint64_t epoch, AutopilotLine line,
+          Participant radio);
 
   void ExchangeWithAutopilot(Instant now);
   void OpenLetters(Instant now);
   void Open(const FlightCommand& command, Instant now) { Tell(command, now); }
   void Open(const ServiceHeartbeat& heartbeat, Instant now) { Tell(heartbeat, now); }
   void Open(const RivalHeard& rival, Instant now) { Tell(rival, now); }
-  void Open(const PictureOutcome& outcome, Instant now) { Tell(outcome, now); }
+  void Open(const PictureDelivered& delivered, Instant now);
   void Open(const CameraTried& tried, Instant now);
   void Open(const PictureTaken& taken, Instant now);
   void DevelopPictures(Instant now);
@@ -65,6 +67,7 @@ class Station {
   std::map<CameraId, std::unique_ptr<CameraPost>> cameras_;
   CameraHealth health_;
   std::vector<Negative> negatives_;
+  Supervisor supervisor_;
   Instant published_;
   std::string told_message_;
   VehiclePhase told_phase_ = VehiclePhase::kNotReady;

@@ -83,6 +83,17 @@ TEST_F(Dds, BringsAPictureOfAMegabyteWhole) {
   EXPECT_EQ(received[0].bytes, Picture(9, 1 << 20).bytes);
 }
 
+TEST_F(Dds, TellsWhenTheReaderOfAPictureIsGone) {
+  auto reader = std::make_unique<Reader<CaptureTopic>>(ground_, [](const Capture&) {});
+  Writer<CaptureTopic> writer(drone_);
+  ASSERT_TRUE(writer.WaitForReader(5s));
+  EXPECT_EQ(writer.CountDepartedReaders(), 0);
+  reader.reset();
+  for (int i = 0; i < 100 && writer.CountDepartedReaders() == 0; ++i) std::this_thread::sleep_for(50ms);
+  EXPECT_EQ(writer.CountDepartedReaders(), 1);
+  EXPECT_EQ(writer.matched_readers(), 0);
+}
+
 TEST_F(Dds, BringsCommandsInOrder) {
   Inbox<std::uint32_t> inbox;
   const Reader<FlightCommandTopic> reader(drone_,

@@ -528,5 +528,23 @@ TEST(Agent, GivesTheSameOutputsForTheSameEvents) {
   EXPECT_EQ(fly(), fly());
 }
 
+TEST(AnswersOfTheAgent, AreRepeatedForAWhileWhenTheServiceIsFoundAgain) {
+  Flight flight;
+  flight.Do(CommandKind::kTakeOff, {{0.0, 0.0, 3.0}});
+  flight.Say(flight.Make(CommandKind::kGoTo, {{0.5, 0.0, 3.0}}));
+  flight.service_lives = false;
+  flight.Run(20.0);
+  ASSERT_EQ(flight.LastStatus(), AckStatus::kDone);
+  const std::size_t unheard = flight.acks.size();
+  flight.service_lives = true;
+  flight.Run(60.0);
+  EXPECT_NEAR(static_cast<double>(flight.acks.size() - unheard), 5.0, 1.0);
+  for (std::size_t i = unheard; i < flight.acks.size(); ++i) {
+    EXPECT_EQ(flight.acks[i].sequence, flight.sequence);
+    EXPECT_EQ(flight.acks[i].status, AckStatus::kDone);
+    EXPECT_GT(flight.acks[i].stamp_utc_ns, flight.acks[unheard - 1].stamp_utc_ns);
+  }
+}
+
 }  // namespace
 }  // namespace soffit
