@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace soffit {
 namespace {
 
 /// Neighbours in a row with the same label.
 struct Run {
-  int row = 0;
   int begin = 0;
   int end = 0;  ///< Excluded.
-  std::uint8_t label = 0;
 };
 
 /// The first pixel from `at` on with another label than `at`.
@@ -27,22 +26,21 @@ int FindEnd(const std::uint8_t* row, int at, int end) {
   return at;
 }
 
-/// The runs of all labels but 0, row by row, and which of them belong together.
+/// The runs of all labels but 0, row by row, and which of them belong together. Noise has a run for every
+/// four pixels: little is kept of each.
 class Runs {
  public:
   explicit Runs(const cv::Mat1b& labels) {
-    std::size_t above = 0;
     for (int row = 0; row < labels.rows; ++row) {
-      const std::size_t first = runs_.size();
+      first_of_row_.push_back(runs_.size());
       AddRow(labels, row);
-      JoinToRowAbove(above, first);
-      above = first;
+      if (row > 0) JoinToRowAbove(labels, row);
     }
-    area_px_.assign(runs_.size(), 0.0);
-    for (std::size_t i = 0; i < runs_.size(); ++i) area_px_[FindRoot(i)] += runs_[i].end - runs_[i].begin;
+    first_of_row_.push_back(runs_.size());
   }
 
   std::size_t size() const { return runs_.size(); }
+  std::size_t FirstOfRow(int row) const { return first_of_row_[static_cast<std::size_t>(row)]; }
   const Run& operator[](std::size_t i) const { return runs_[i]; }
 
   /// The first run of the region of run `i`.
@@ -50,7 +48,26 @@ class Runs {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  double AreaOf_px(std::size_t root) const { return area_px_[root]; }
+
+  /// The roots of the greatest regions, at most `max_regions`, in ascending order.
+  std::vector<std::size_t> FindGreatest(double min_area_px, std::size_t max_regions) {
+    std::vector<std::uint32_t> area_px(runs_.size(), 0);
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      area_px[FindRoot(i)] += static_cast<std::uint32_t>(runs_[i].end - runs_[i].begin);
+    }
+    std::vector<std::size_t> roots;
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      if (parent_[i] == i && area_px[i] >= min_area_px) roots.push_back(i);
+    }
+    if (roots.size() <= max_regions) return roots;
+    const auto end = roots.begin() + static_cast<std::ptrdiff_t>(max_regions);
+    std::nth_element(roots.begin(), end, roots.end(), [&](std::size_t a, std::size_t b) {
+      return area_px[a] != area_px[b] ? area_px[a] > area_px[b] : a < b;
+    });
+    roots.erase(end, roots.end());
+    std::sort(roots.begin(), roots.end());
+    return roots;
+  }
 
  private:
   void AddRow(const cv::Mat1b& labels, int row) {
@@ -58,29 +75,30 @@ class Runs {
     for (int begin = 0, end = 0; begin < labels.cols; begin = end) {
       end = FindEnd(pixels, begin, labels.cols);
       if (pixels[begin] == 0) continue;
-      parent_.push_back(runs_.size());
-      runs_.push_back({row, begin, end, pixels[begin]});
+      parent_.push_back(static_cast<std::uint32_t>(runs_.size()));
+      runs_.push_back({begin, end});
     }
   }
 
-  void JoinToRowAbove(std::size_t above, std::size_t first) {
-    const std::size_t end_above = first;
+  void JoinToRowAbove(const cv::Mat1b& labels, int row) {
+    const std::size_t first = FirstOfRow(row);
+    std::size_t above = FirstOfRow(row - 1);
     for (std::size_t i = first; i < runs_.size(); ++i) {
-      while (above < end_above && runs_[above].end <= runs_[i].begin) ++above;
-      for (std::size_t k = above; k < end_above && runs_[k].begin < runs_[i].end; ++k) {
-        if (runs_[k].label == runs_[i].label) Join(k, i);
+      while (above < first && runs_[above].end <= runs_[i].begin) ++above;
+      for (std::size_t k = above; k < first && runs_[k].begin < runs_[i].end; ++k) {
+        if (labels(row - 1, runs_[k].begin) == labels(row, runs_[i].begin)) Join(k, i);
       }
     }
   }
 
   void Join(std::size_t a, std::size_t b) {
     const auto [first, second] = std::minmax({FindRoot(a), FindRoot(b)});
-    parent_[second] = first;
+    parent_[second] = static_cast<std::uint32_t>(first);
   }
 
+  std::vector<std::size_t> first_of_row_;
   std::vector<Run> runs_;
-  std::vector<std::size_t> parent_;
-  std::vector<double> area_px_;
+  std::vector<std::uint32_t> parent_;
 };
 
 /// Follows the sides of pixels with the region on the left (y taken as up).
@@ -136,25 +154,29 @@ class Tracer {
 
 }  // namespace
 
-std::vector<Region> TraceRegions(const cv::Mat1b& labels, double min_area_px) {
+std::vector<Region> TraceRegions(const cv::Mat1b& labels, double min_area_px, std::size_t max_regions) {
   Runs runs(labels);
   Tracer tracer(labels);
-  std::vector<Region> regions;
-  std::vector<std::size_t> region_of_root(runs.size(), runs.size());
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    const std::size_t root = runs.FindRoot(i);
-    if (runs.AreaOf_px(root) < min_area_px) continue;
-    const Run& run = runs[i];
-    for (int col = run.begin;
-         col<run.end; col = run.row> 0 ? FindEnd(labels[run.row - 1], col, run.end) : run.end) {
-      const cv::Point pixel(col, run.row);
-      if (!tracer.StartsRing(pixel)) continue;
-      Ring ring = tracer.Follow(pixel);
-      if (region_of_root[root] == runs.size()) {  // The uppermost side of a region is on its outer ring.
-        region_of_root[root] = regions.size();
-        regions.push_back({run.label, {std::move(ring), {}}});
-      } else if (-SignedArea(ring) >= min_area_px) {
-        regions[region_of_root[root]].boundary.holes.push_back(std::move(ring));
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> region_of_root(runs.size(), kNone);
+  std::uint32_t count = 0;
+  for (const std::size_t root : runs.FindGreatest(min_area_px, max_regions)) region_of_root[root] = count++;
+  std::vector<Region> regions(count);
+  for (int row = 0; row < labels.rows; ++row) {
+    for (std::size_t i = runs.FirstOfRow(row); i < runs.FirstOfRow(row + 1); ++i) {
+      const std::uint32_t index = region_of_root[runs.FindRoot(i)];
+      if (index == kNone) continue;
+      Region& region = regions[index];
+      const auto [begin, end] = runs[i];
+      for (int col = begin; col<end; col = row> 0 ? FindEnd(labels[row - 1], col, end) : end) {
+        const cv::Point pixel(col, row);
+        if (!tracer.StartsRing(pixel)) continue;
+        Ring ring = tracer.Follow(pixel);
+        if (region.boundary.outer.empty()) {  // The uppermost side of a region is on its outer ring.
+          region = {labels(pixel), {std::move(ring), {}}};
+        } else if (-SignedArea(ring) >= min_area_px) {
+          region.boundary.holes.push_back(std::move(ring));
+        }
       }
     }
   }

@@ -14,8 +14,19 @@ using Eigen::Vector2d;
 constexpr double kSidePrice = 25.0;  ///< In squared standard deviations.
 constexpr double kTolerancePerSigma = 2.5;
 constexpr std::size_t kMaxCandidates = 400;
-constexpr double kTrimRatio = 0.12;  ///< Of a side at each end: the median filter rounds corners off.
+constexpr std::size_t kMaxPoints = 20000;    ///< Of longer boundaries, not every step is looked at.
+constexpr std::size_t kAnchorPoints = 1000;  ///< From one fixed candidate to the next: bounds the search.
+constexpr double kTrimRatio = 0.12;          ///< Of a side at each end: the median filter rounds corners off.
 constexpr double kMinCornerSine = 0.12;
+
+/// At most kMaxPoints of the points, evenly.
+std::vector<Vector2d> Thin(std::vector<Vector2d> points) {
+  const std::size_t stride = (points.size() + kMaxPoints - 1) / kMaxPoints;
+  if (stride <= 1) return points;
+  std::vector<Vector2d> kept;
+  for (std::size_t i = 0; i < points.size(); i += stride) kept.push_back(points[i]);
+  return kept;
+}
 
 /// Middles of equal steps along the boundary: they scatter evenly about the true side of a staircase.
 std::vector<Vector2d> Sample(const Ring& boundary, double step) {
@@ -26,7 +37,7 @@ std::vector<Vector2d> Sample(const Ring& boundary, double step) {
     const int count = std::max(1, static_cast<int>(std::lround(side.norm() / step)));
     for (int k = 0; k < count; ++k) points.push_back(a + side * ((k + 0.5) / count));
   }
-  return points;
+  return Thin(std::move(points));
 }
 
 struct Line {
@@ -53,27 +64,43 @@ class LineFitter {
 
   /// Points `from` to `to`, both included; `from` <= `to` < 2 n.
   Line Fit(std::size_t from, std::size_t to) const {
-    const Sums& a = sums_[from];
-    const Sums& b = sums_[to + 1];
-    const double n = static_cast<double>(to - from + 1);
-    const Vector2d mean = (b.p - a.p) / n;
-    const double xx = b.xx - a.xx - n * mean.x() * mean.x();
-    const double xy = b.xy - a.xy - n * mean.x() * mean.y();
-    const double yy = b.yy - a.yy - n * mean.y() * mean.y();
-    const double spread = std::hypot(xx - yy, 2.0 * xy);
-    const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
-    Line line{mean + origin_, Vector2d(std::cos(angle), std::sin(angle)),
-              std::max(0.0, 0.5 * (xx + yy - spread)), n};
+    const Spread spread = SpreadOf(from, to);
+    const double angle = 0.5 * std::atan2(2.0 * spread.xy, spread.xx - spread.yy);
+    Line line{spread.mean + origin_, Vector2d(std::cos(angle), std::sin(angle)), SquaresOf(spread),
+              spread.count};
     const Vector2d along = points_[to % points_.size()] - points_[from % points_.size()];
     if (line.direction.dot(along) < 0.0) line.direction = -line.direction;
     return line;
   }
+
+  /// Sum of squared distances of the points from the line through them.
+  double Squares(std::size_t from, std::size_t to) const { return SquaresOf(SpreadOf(from, to)); }
 
  private:
   struct Sums {
     Vector2d p = Vector2d::Zero();
     double xx = 0.0, xy = 0.0, yy = 0.0;
   };
+  struct Spread {
+    double count = 0.0;
+    Vector2d mean = Vector2d::Zero();
+    double xx = 0.0, xy = 0.0, yy = 0.0;  ///< About the mean.
+  };
+
+  Spread SpreadOf(std::size_t from, std::size_t to) const {
+    const Sums& a = sums_[from];
+    const Sums& b = sums_[to + 1];
+    const double n = static_cast<double>(to - from + 1);
+    const Vector2d mean = (b.p - a.p) / n;
+    return {n, mean, b.xx - a.xx - n * mean.x() * mean.x(), b.xy - a.xy - n * mean.x() * mean.y(),
+            b.yy - a.yy - n * mean.y() * mean.y()};
+  }
+  static double SquaresOf(const Spread& spread) {
+    const double difference = spread.xx - spread.yy;
+    const double root = std::sqrt(difference * difference + 4.0 * spread.xy * spread.xy);
+    return std::max(0.0, 0.5 * (spread.xx + spread.yy - root));
+  }
+
   const std::vector<Vector2d>& points_;
   Vector2d origin_;
   std::vector<Sums> sums_;
@@ -117,13 +144,17 @@ std::vector<std::size_t> FindCandidates(const std::vector<Vector2d>& points, dou
   for (const Vector2d& p : points) mean += p / static_cast<double>(n);
   const std::size_t first = FarthestFrom(points, mean);
   const std::size_t second = FarthestFrom(points, points[first]);
+  std::vector<std::size_t> anchors = {second > first ? second : second + n};
+  for (std::size_t i = first; i < first + n; i += kAnchorPoints) anchors.push_back(i);
+  std::sort(anchors.begin(), anchors.end());
+  anchors.push_back(first + n);
   std::vector<std::size_t> candidates;
   do {
     std::vector<bool> stays(n, false);
-    stays[first] = stays[second] = true;
-    const std::size_t middle = second > first ? second : second + n;
-    MarkCandidates(points, first, middle, tolerance, stays);
-    MarkCandidates(points, middle, first + n, tolerance, stays);
+    for (std::size_t i = 0; i + 1 < anchors.size(); ++i) {
+      stays[anchors[i] % n] = true;
+      MarkCandidates(points, anchors[i], anchors[i + 1], tolerance, stays);
+    }
     candidates.clear();
     for (std::size_t i = first; i < first + n; ++i) {
       if (stays[i % n]) candidates.push_back(i);
@@ -143,7 +174,7 @@ std::vector<std::size_t> ChooseBreakpoints(const LineFitter& fitter,
   for (std::size_t j = 1; j < candidates.size(); ++j) {
     for (std::size_t i = 0; i < j; ++i) {
       if (i == 0 && j + 1 == candidates.size()) continue;
-      const double squares = fitter.Fit(candidates[i], candidates[j]).squares;
+      const double squares = fitter.Squares(candidates[i], candidates[j]);
       const double sum = price[i] + squares / (sigma * sigma) + kSidePrice;
       if (sum < price[j]) {
         price[j] = sum;
@@ -283,6 +314,15 @@ FittedRing FitRing(const Ring& boundary, double step, double tolerance) {
     fitted.ring = std::move(unfitted);
   }
   return fitted;
+}
+
+Ring ThinRing(const Ring& staircase, double tolerance_px) {
+  const std::vector<Vector2d> points = Sample(staircase, 1.0);
+  Ring ring;
+  std::vector<std::size_t> kept = FindCandidates(points, tolerance_px);
+  kept.pop_back();
+  for (const std::size_t i : kept) ring.push_back(points[i % points.size()]);
+  return ring;
 }
 
 }  // namespace soffit

@@ -21,4 +21,9 @@ struct FittedRing {
 /// candidates^2).
 FittedRing FitRing(const Ring& boundary, double step, double tolerance);
 
+/// The corners through the middles of the pixel sides of a staircase, without those that lie nearer than
+/// `tolerance_px` to the ring of the others: as near to the truth as pixels tell, everywhere, but rough.
+/// Pure.
+Ring ThinRing(const Ring& staircase, double tolerance_px);
+
 }  // namespace soffit

@@ -225,6 +225,25 @@ TEST(TraceRegions, GivesHolesToTheRegionAroundThem) {
   EXPECT_DOUBLE_EQ(Area(regions[2].boundary), 16.0);
 }
 
+TEST(TraceRegions, KeepsTheGreatest) {
+  cv::Mat1b labels(20, 60, uchar{0});
+  for (int i = 0; i < 5; ++i) labels(cv::Rect(12 * i, 0, 3 + (3 * i) % 5, 4)).setTo(1);
+  const auto regions = TraceRegions(labels, 1.0, 2);
+  ASSERT_THAT(regions, SizeIs(2));
+  EXPECT_EQ(Area(regions[0].boundary), 7 * 4);
+  EXPECT_EQ(Area(regions[1].boundary), 6 * 4);
+}
+
+TEST(ThinRing, StaysWithinAPixelOfTheTruth) {
+  const Ring truth = {{10.3, 12.1}, {80.2, 30.7}, {71.9, 61.4}, {40.1, 52.9}, {38.2, 60.0}, {2.7, 50.6}};
+  const auto regions = TraceRegions(Draw({truth, {}}, {100, 80}), 10.0);
+  ASSERT_THAT(regions, SizeIs(1));
+  const Ring thin = ThinRing(regions[0].boundary.outer, 0.3);
+  EXPECT_NEAR(SignedArea(thin), SignedArea(truth), 0.01 * SignedArea(truth));
+  for (const Eigen::Vector2d& corner : thin) EXPECT_LT(DistanceToRing(corner, truth), 1.0);
+  for (const Eigen::Vector2d& corner : truth) EXPECT_LT(DistanceToRing(corner, thin), 1.2);
+}
+
 TEST(FitRing, GivesNothingForDegenerateBoundaries) {
   EXPECT_THAT(FitRing({}, 1.0, 1.0).ring, IsEmpty());
   EXPECT_THAT(FitRing({{0, 0}, {1, 0}}, 1.0, 1.0).ring, IsEmpty());
