@@ -25,6 +25,8 @@ constexpr std::size_t kMaxRotations = 8;
 constexpr double kSameRotation_rad = 0.12;
 constexpr double kTolerance = 0.015;  ///< Misfit of shapes without roughness that may still be the same.
 constexpr double kTolerancePerRoughness = 2.2;
+constexpr double kMaxTolerance = 0.12;
+constexpr double kMaxLoneTolerance = 0.04;   ///< A rougher or smaller shape could be anything, when alone.
 constexpr double kPositionTolerance = 0.04;  ///< Of the side of a shape, between the shapes of a group.
 constexpr double kTolerancePerPositionStd = 2.0;
 constexpr double kScoreAtTolerance = 0.85;
@@ -119,17 +121,12 @@ void AddRotation(std::vector<RotationCandidate>& rotations, const RotationCandid
   if (rotations.size() < kMaxRotations) rotations.push_back(candidate);
 }
 
-/// Misfit of equal shapes that are drawn as roughly as these.
-double ToleranceOf(const Shape& a, const Shape& b) {
-  return std::hypot(kTolerance, kTolerancePerRoughness * std::hypot(a.roughness, b.roughness));
-}
-
 /// The rotations at which the profiles of shapes are nearest, likely ones first. Outlines that lie no farther
 /// apart than twice the tolerance bound areas that differ by at most that times the perimeter, and half of
 /// the difference is the distance of their profiles. Shapes whose profiles lie farther apart have no such
 /// rotation.
-std::vector<RotationCandidate> FindRotationsByProfile(const Shape& a, const Shape& b) {
-  const double allowed = (kProfileError + ToleranceOf(a, b)) * std::max(a.perimeter, b.perimeter);
+std::vector<RotationCandidate> FindRotationsByProfile(const Shape& a, const Shape& b, double tolerance) {
+  const double allowed = (kProfileError + tolerance) * std::min(a.perimeter, b.perimeter);
   std::array<double, kSectors> distance;
   for (std::size_t shift = 0; shift < kSectors; ++shift) {
     distance[shift] = ProfileDistance(a.profile, b.profile, static_cast<double>(shift));
@@ -154,8 +151,8 @@ std::vector<RotationCandidate> FindRotationsByProfile(const Shape& a, const Shap
 
 /// Rotations by which `a` may lie like `b`, likely ones first: what the words say, then what the profiles
 /// say. None when the shapes are too different.
-std::vector<double> FindRotations(const Shape& a, const Word& word_of_a, const Shape& b) {
-  const std::vector<RotationCandidate> by_profile = FindRotationsByProfile(a, b);
+std::vector<double> FindRotations(const Shape& a, const Word& word_of_a, const Shape& b, double tolerance) {
+  const std::vector<RotationCandidate> by_profile = FindRotationsByProfile(a, b, tolerance);
   if (by_profile.empty()) return {};
   std::vector<RotationCandidate> rotations;
   for (const WordAlignment& alignment : AlignWords(word_of_a, SpellOuter(b))) {
@@ -179,6 +176,10 @@ Similarity LayOn(const Shape& a, const Shape& b, double rotation_ccw_rad) {
 /// 1 for shapes that coincide; kScoreAtTolerance for a misfit that shape and roughness just allow.
 double ScoreOf(double misfit_ratio) {
   return 1.0 / (1.0 + (1.0 / kScoreAtTolerance - 1.0) * misfit_ratio * misfit_ratio);
+}
+
+double MisfitRatioOf(double score) {
+  return std::sqrt((1.0 / score - 1.0) / (1.0 / kScoreAtTolerance - 1.0));
 }
 
 /// One way to lay the whole reference on shapes of the map.
@@ -205,11 +206,18 @@ class Matcher {
     const std::size_t anchor = ChooseAnchor();
     const Word word = SpellOuter(reference_[anchor]);
     for (std::size_t j = 0; j < map_.size(); ++j) {
-      for (const double rotation : FindRotations(reference_[anchor], word, map_[j])) {
+      for (const double rotation : FindRotations(reference_[anchor], word, map_[j], ToleranceOf(anchor, j))) {
         if (auto pose = LayReference(anchor, j, rotation)) poses.push_back(std::move(*pose));
       }
     }
     return poses;
+  }
+
+  /// Lengths and angles that a shape must share with the reference, at least: of a box only its proportion.
+  double CountFreedoms() const {
+    std::size_t sides = 0;
+    for (const Shape& shape : reference_) sides += SpellOuter(shape).size();
+    return std::max(1.0, static_cast<double>(sides) - 3.0);
   }
 
  private:
@@ -269,12 +277,17 @@ class Matcher {
     return best;
   }
 
+  /// Misfit of equal shapes that are drawn as roughly as these.
+  double ToleranceOf(std::size_t i, std::size_t j) const {
+    const double roughness = std::hypot(reference_[i].roughness, map_[j].roughness);
+    return std::min(reference_.size() == 1 ? kMaxLoneTolerance : kMaxTolerance,
+                    std::hypot(kTolerance, kTolerancePerRoughness * roughness));
+  }
+
   /// How far apart the outlines lie, over how far apart those of equal shapes may lie.
   double MisfitRatio(std::size_t i, std::size_t j, const Similarity& similarity,
                      const Effort& effort = {}) const {
-    const double roughness = std::hypot(reference_[i].roughness, map_[j].roughness);
-    return Misfit(Pair(i, j), similarity, effort) /
-           std::hypot(kTolerance, kTolerancePerRoughness * roughness);
+    return Misfit(Pair(i, j), similarity, effort) / ToleranceOf(i, j);
   }
 
   /// Of one shape of a group: its own misfit in the place where it lies, and how far beside the common one
@@ -318,11 +331,23 @@ Match Summarize(std::vector<Pose2d> poses, const MatchOptions& options) {
                     [&](double known) {
                       return std::abs(std::remainder(known - rotation, 2.0 * pi)) < kSameRotation_rad;
                     });
-    if (!is_known && ScoreOf(pose.misfit_ratio) >= match.score - options.ambiguity_margin) {
+    if (!is_known && ScoreOf(pose.misfit_ratio) >= match.score - options.symmetry_margin) {
       match.equivalent_rotations_cw_rad.push_back(rotation);
     }
   }
   return match;
+}
+
+/// How many places would pass for the best one by chance. When `freedoms` lengths of shapes scatter evenly as
+/// far as the place that is r times as far off as a match may be, r^-freedoms of those that scatter so are
+/// matches (A. Desolneux, L. Moisan and J.-M. Morel, "Meaningful alignments", IJCV 40(1), 2000).
+double ExpectRivals(const std::vector<Match>& places, double freedoms, const MatchOptions& options) {
+  double rivals = 0.0;
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    const double ratio = MisfitRatioOf(options.min_score) / MisfitRatioOf(places[i].score);
+    rivals += std::pow(std::min(1.0, ratio), freedoms);
+  }
+  return rivals;
 }
 
 }  // namespace
@@ -332,24 +357,21 @@ std::vector<Match> FindMatches(const std::vector<TracedShape>& map, const Refere
   SOFFIT_EXPECT(IsValidOptions(options));
   SOFFIT_EXPECT(!reference.shapes.empty());
   SOFFIT_EXPECT(std::all_of(reference.shapes.begin(), reference.shapes.end(), IsUsable));
+  const Matcher matcher(map, reference);
   std::map<std::vector<std::size_t>, std::vector<Pose2d>> poses_on;  // By the shapes, in whatever order.
-  for (Pose2d& pose : Matcher(map, reference).FindPoses()) {
+  for (Pose2d& pose : matcher.FindPoses()) {
     std::vector<std::size_t> place = pose.shapes;
     std::sort(place.begin(), place.end());
     poses_on[place].push_back(std::move(pose));
   }
-  std::vector<Match> matches;
-  for (auto& [place, poses] : poses_on) {
-    Match match = Summarize(std::move(poses), options);
-    if (match.score >= options.min_score) matches.push_back(std::move(match));
-  }
-  std::stable_sort(matches.begin(), matches.end(),
+  std::vector<Match> places;
+  for (auto& [place, poses] : poses_on) places.push_back(Summarize(std::move(poses), options));
+  std::stable_sort(places.begin(), places.end(),
                    [](const Match& a, const Match& b) { return a.score > b.score; });
-  for (Match& match : matches) {
-    match.is_ambiguous = std::any_of(matches.begin(), matches.end(), [&](const Match& other) {
-      return &other != &match && std::abs(other.score - match.score) <= options.ambiguity_margin;
-    });
-  }
+  std::vector<Match> matches = places;
+  std::erase_if(matches, [&](const Match& match) { return match.score < options.min_score; });
+  const bool is_ambiguous = ExpectRivals(places, matcher.CountFreedoms(), options) > options.max_rivals;
+  for (Match& match : matches) match.is_ambiguous = is_ambiguous;
   return matches;
 }
 

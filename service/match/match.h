@@ -22,8 +22,10 @@ struct Reference {
   std::vector<TracedShape> shapes;  ///< At least one.
 };
 
-/// The black shapes of a black-on-white bitmap as polygons, by decreasing area, in a y-up frame (x right, y =
-/// -row), unit pixel. Shapes of less than `min_area_px` are left out, and tiny holes. Pure.
+/// The black shapes of a black-on-white bitmap, by decreasing area, in a y-up frame (x right, y = -row), unit
+/// pixel. Their rings follow the pixels closely: sides that were fitted would be truer, but elsewhere where a
+/// notch is as small as a pixel. Shapes of less than `min_area_px` are left out, tiny holes, and all but the
+/// 10,000 greatest shapes and 64 greatest holes of each. Pure.
 std::vector<TracedShape> ReadShapes(const cv::Mat1b& bitmap, double min_area_px);
 
 /// Reads a small black-on-white map. An error when it is all white, all black or has too many shapes.
@@ -39,18 +41,22 @@ struct Match {
       equivalent_rotations_cw_rad;  ///< All that fit as well (symmetry), including the one above.
   Eigen::Vector2d translation = Eigen::Vector2d::Zero();  ///< map = scale * turn(reference) + translation.
   double score = 0.0;                                     ///< 0 to 1; 1 is perfect.
-  bool is_ambiguous = false;                              ///< Another place fits about as well.
+  bool is_ambiguous = false;  ///< Other places fit too, or nearly: it may be one of them.
 };
 
 struct MatchOptions {
   double min_score = 0.80;
-  double ambiguity_margin = 0.10;
+  double symmetry_margin = 0.10;
+  double max_rivals = 0.3;
 
   template <class Self, class Visitor>
   static void Visit(Self& self, Visitor&& field) {
     field("min_score", self.min_score, OptionInfo{0.0, 1.0, "", "Worse matches are none"});
-    field("ambiguity_margin", self.ambiguity_margin,
-          OptionInfo{0.0, 1.0, "", "A runner-up within this is a rival"});
+    field("symmetry_margin", self.symmetry_margin,
+          OptionInfo{0.0, 1.0, "", "Rotations whose scores lie within this of the best are equivalent"});
+    field("max_rivals", self.max_rivals,
+          OptionInfo{0.0, 1.0, "",
+                     "Matches are ambiguous when more places are to be expected to fit by chance"});
   }
 };
 

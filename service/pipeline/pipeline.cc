@@ -101,8 +101,8 @@ void RefineMatch(std::vector<SceneObject>& objects, Match& match, const Referenc
 std::string DescribeRecognition(const std::vector<Match>& matches) {
   if (matches.empty()) return "the wanted building is not among those that were seen";
   if (!matches.front().is_ambiguous) return "";
-  return "the wanted building was found in " + std::to_string(matches.size()) +
-         " places that fit about as well: give a reference with its neighbours";
+  return "the wanted building may be any of several that fit about as well (matches: " +
+         std::to_string(matches.size()) + "): give a reference with its neighbours";
 }
 
 /// The model of a wanted building has what the horizontal pictures show of its walls, that of another one is

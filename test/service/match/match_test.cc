@@ -105,6 +105,27 @@ TEST(FindMatches, MarksSeveralPlacesAsAmbiguous) {
   EXPECT_TRUE(matches[1].is_ambiguous);
 }
 
+TEST(FindMatches, CallsALoneBoxAmbiguousAmongBoxesOfNearlyItsProportion) {
+  const Polygon longer = Laid(1.0, 0.4, 100, 0) * Shape({{0, 0}, {34, 0}, {34, 20}, {0, 20}});
+  const Polygon shorter = Laid(1.5, 1.1, 0, 100) * Shape({{0, 0}, {27, 0}, {27, 20}, {0, 20}});
+  const auto matches = Find({Shape(kBox), longer, shorter}, {Shape(kBox)});
+  ASSERT_THAT(matches, SizeIs(1));
+  EXPECT_TRUE(matches[0].is_ambiguous);
+}
+
+TEST(FindMatches, IsSureOfAShapeThatSharesMoreThanAProportion) {
+  Ring longer = kL;
+  longer[1].x() = longer[2].x() = 46;
+  const auto matches = Find({Shape(kL), Laid(1.5, 1.1, 0, 100) * Shape(longer)}, {Shape(kL)});
+  ASSERT_THAT(matches, SizeIs(1));
+  EXPECT_FALSE(matches[0].is_ambiguous);
+}
+
+TEST(FindMatches, TakesABlobTooSmallToHaveAFormForNothing) {
+  const Polygon blob = Laid(0.1, 0.3, 0, 0) * Shape(kBox);
+  EXPECT_THAT(FindMatches({{blob, 0.4}}, {Drawn({Shape(kL)})}, {}), IsEmpty());
+}
+
 TEST(FindMatches, TellsHolesApart) {
   const Polygon open = Shape(kSquare);
   const Polygon court{kSquare, {{{6, 6}, {6, 14}, {14, 14}, {14, 6}}}};
@@ -236,6 +257,50 @@ TEST(ReadReference, KeepsTheShedBesideAHall) {
              {340, 200}));
   ASSERT_TRUE(reference.ok());
   EXPECT_THAT(reference.value().shapes, SizeIs(2));
+}
+
+/// As a map is drawn: a pixel is black when its centre lies inside.
+cv::Mat1b Drawing(const Polygon& polygon, cv::Size size) {
+  cv::Mat1b bitmap(size, uchar{255});
+  for (int row = 0; row < size.height; ++row) {
+    for (int col = 0; col < size.width; ++col) {
+      if (Contains(polygon, {col, -row})) bitmap(row, col) = 0;
+    }
+  }
+  return bitmap;
+}
+
+TEST(ReadReference, KeepsWhatIsAsSmallAsAPixelForTheMatch) {
+  const Ring notched = {{0, 0}, {26, 0}, {26, 9}, {17, 9}, {17, 10.4}, {10, 10.4}, {10, 18}, {0, 18}};
+  const auto reference = ReadReference(Drawing(Laid(0.8, 0.3, 6, -24) * Shape(notched), {40, 40}));
+  ASSERT_TRUE(reference.ok());
+  const auto map = ReadShapes(Drawing(Laid(1.9, 2.0, 40, -20) * Shape(notched), {120, 120}), 60.0);
+  const auto matches = FindMatches(map, reference.value(), {});
+  ASSERT_THAT(matches, SizeIs(1));
+  EXPECT_NEAR(matches[0].scale, 1.9 / 0.8, 0.02 * 1.9 / 0.8);
+  EXPECT_NEAR(matches[0].rotation_cw_rad, 1.7, 0.03);
+  EXPECT_GT(matches[0].score, 0.9);
+}
+
+TEST(ReadShapes, ReadsACombOfManyTeethAndAPlateOfManyHoles) {
+  cv::Mat1b bitmap(1500, 3000, uchar{255});
+  bitmap(cv::Rect(10, 10, 1400, 20)).setTo(0);
+  for (int col = 10; col < 1410; col += 4) bitmap(cv::Rect(col, 10, 2, 1400)).setTo(0);
+  bitmap(cv::Rect(1500, 10, 1400, 1400)).setTo(0);
+  for (int i = 0; i < 10000; ++i) bitmap(cv::Rect(1510 + i % 100 * 13, 20 + i / 100 * 13, 5, 5)).setTo(255);
+  const auto shapes = ReadShapes(bitmap, 60.0);
+  ASSERT_THAT(shapes, SizeIs(2));
+  EXPECT_NEAR(Area(shapes[0].polygon), 1400.0 * 1400.0, 0.01 * 1400.0 * 1400.0);
+  EXPECT_THAT(FindMatches(shapes, {Drawn({Shape(kL)})}, {}), IsEmpty());
+}
+
+TEST(ReadShapes, FindsNothingInNoise) {
+  cv::Mat1b noise(600, 600);
+  cv::theRNG().state = 1;
+  cv::randu(noise, 0, 256);
+  const auto shapes = ReadShapes(noise, 60.0);
+  EXPECT_GT(shapes.size(), 100u);
+  EXPECT_THAT(FindMatches(shapes, {Drawn({Shape(kL)})}, {}), IsEmpty());
 }
 
 TEST(ReadReference, RefusesEmptyWhiteBlackAndCrowdedBitmaps) {
