@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -39,16 +40,22 @@ void ForEachIndex(std::size_t count, const Work& work) {
   for (std::jthread& thread : threads) thread = std::jthread(take_next);
 }
 
+bool IsPicture(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".gif";
+}
+
 Result<std::vector<fs::path>> ListFiles(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> files;
   for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
        entry.increment(error)) {
-    if (entry->is_regular_file() && !entry->path().filename().string().starts_with('.'))
-      files.push_back(entry->path());
+    if (entry->is_regular_file() && IsPicture(entry->path())) files.push_back(entry->path());
   }
   if (error) return InvalidInput(folder.string() + ": " + error.message());
-  if (files.empty()) return InvalidInput(folder.string() + " has no files");
+  if (files.empty()) return InvalidInput(folder.string() + " has no pictures (png, jpg, jpeg, gif)");
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -7,8 +7,8 @@
 
 namespace soffit {
 
-/// Reads a PNG or JPEG as greyscale. Errors name the file. Size and completeness are checked before it is
-/// decoded.
+/// Reads a PNG, a JPEG or the first picture of a GIF as greyscale. Errors name the file. Size and
+/// completeness are checked before it is decoded.
 Result<cv::Mat1b> ReadBitmapFile(const std::filesystem::path& file);
 
 }  // namespace soffit
