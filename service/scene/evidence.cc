@@ -14,6 +14,7 @@ constexpr int kMisfit_px = 6;   // Contradictions that stay so close to a predic
 constexpr int kMostMisfit_px = 40;
 constexpr double kMisfitSigmas = 2.0;
 constexpr int kMinThing_px = 20;
+constexpr double kShade = 0.6;       // Of the brightness that half of the ground has.
 constexpr int kMinCovered_px = 12;   // Of the model: less does not tell that a thing is before it.
 constexpr double kFootShare = 0.12;  // Of the depth of a thing's foot: how well it is known.
 
@@ -54,6 +55,22 @@ cv::Mat1b Border(const cv::Mat1b& mask, int reach) {
   return border;
 }
 
+int Brightness(const cv::Vec3b& color) { return color[0] + color[1] + color[2]; }
+
+double MedianGroundBrightness(const Sight& sight) {
+  std::vector<int> values;
+  for (int y = 0; y < sight.seen.rows; ++y) {
+    for (int x = 0; x < sight.seen.cols; ++x) {
+      if (sight.seen(y, x) == static_cast<uchar>(Seen::kGround))
+        values.push_back(Brightness(sight.bgr(y, x)));
+    }
+  }
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// How far the model's edges may lie beside the true ones.
 int MisfitReach(const View& view, const Prediction& prediction) {
   double nearest = 0.0;
@@ -74,7 +91,7 @@ Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::M
   is_doubtful_ = cv::Mat1b(sight.seen.size(), uchar{0});
   Compare(sight, prediction);
   FindThings(sight, prediction);
-  NoteUnconfirmedGround(prediction, confirmed, region);
+  NoteUnconfirmedGround(sight, prediction, confirmed, region);
   cv::Mat1f least;
   cv::erode(reach_m_, least, Square(kEdge_px));
   reach_m_ = least;
@@ -163,16 +180,17 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
   }
 }
 
-void Evidence::NoteUnconfirmedGround(const Prediction& prediction, const cv::Mat1b& confirmed,
-                                     const Eigen::AlignedBox2d& region) {
+void Evidence::NoteUnconfirmedGround(const Sight& sight, const Prediction& prediction,
+                                     const cv::Mat1b& confirmed, const Eigen::AlignedBox2d& region) {
   const Intrinsics& k = view_.intrinsics;
   const Eigen::Matrix3d rotation = view_.map_from_camera.rotation.toRotationMatrix();
+  const int darkest = static_cast<int>(kShade * MedianGroundBrightness(sight));
   for (int y = 0; y < fails_.rows; ++y) {
     for (int x = 0; x < fails_.cols; ++x) {
       if (prediction.label(y, x) != static_cast<uchar>(Seen::kGround) || confirmed(y, x) != 0) continue;
       const Eigen::Vector3d in_camera((x - k.cx_px) / k.fx_px, (y - k.cy_px) / k.fy_px, 1.0);
       const Eigen::Vector3d place = camera_in_map_m() + rotation * (prediction.depth_m(y, x) * in_camera);
-      if (region.contains(place.head<2>())) is_doubtful_(y, x) = 1;
+      if (region.contains(place.head<2>()) || Brightness(sight.bgr(y, x)) < darkest) is_doubtful_(y, x) = 1;
     }
   }
 }

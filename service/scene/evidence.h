@@ -16,9 +16,9 @@ namespace soffit {
 ///
 /// A pixel proves its ray free when it shows what the model predicts: structure where a solid is met (free up
 /// to its surface), ground or sky where none is. Two pixels beside a predicted edge either side of it is
-/// accepted. Anything else may stand anywhere on the ray, which then proves nothing. Ground within `region`
-/// that no other picture confirms proves little: something near that is coloured like ground would look the
-/// same.
+/// accepted. Anything else may stand anywhere on the ray, which then proves nothing. Ground that
+/// no other picture confirms proves little where it lies within `region` or looks like shade: something near
+/// that is coloured like ground, or dark, would look the same.
 class Evidence {
  public:
   /// @param confirmed  1 where another picture shows the same ground, as of GroundCheck; size of the
@@ -77,7 +77,7 @@ class Evidence {
   static int Count(const cv::Mat1i& sum, const Window& window);
 
   void Compare(const Sight& sight, const Prediction& prediction);
-  void NoteUnconfirmedGround(const Prediction& prediction, const cv::Mat1b& confirmed,
+  void NoteUnconfirmedGround(const Sight& sight, const Prediction& prediction, const cv::Mat1b& confirmed,
                              const Eigen::AlignedBox2d& region);
   void FindThings(const Sight& sight, const Prediction& prediction);
   void SumUp(const Prediction& prediction);
