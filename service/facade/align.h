@@ -6,18 +6,19 @@
 
 namespace soffit {
 
-/// A building and the horizontal pictures of it, adjusted to each other.
+/// A building and the pictures of it, adjusted to each other.
 struct Alignment {
-  Footprint footprint;  ///< With the height that the walls' upper edges show, drawn again for it and moved.
+  Footprint footprint;        ///< With corners, height and the views of its silhouettes as adjusted.
   std::vector<Sight> sights;  ///< With adjusted views; those that do not show the building are as they were.
 };
 
-/// Adjusts the poses of the sights, the building's height and its place so that the building's outline (wall
-/// bases, upper edges, upright corners) falls on the outline that the pictures show: least squares on
-/// distances in the picture, with the reported standard deviations of the poses as priors. The common shift
-/// of all pictures is shared between them and the building by their number, which makes its place better than
-/// that of any single pose. The standard deviations of the adjusted views are those relative to the building.
-/// Pure.
+/// Adjusts the corners and the height of a building and the poses of all pictures that show it at once, so
+/// that its silhouette falls on what the pictures show of it: on the structure in horizontal ones, on the
+/// traced outlines in those from above (bundle adjustment over edges: D. Lowe, Fitting Parameterized
+/// Three-Dimensional Models to Images, 1991). Least squares on distances in the picture, with the reported
+/// standard deviations of the poses as priors; poses are eliminated one by one. The building's standard
+/// deviations are those in the map, those of the adjusted views are relative to the building. What does not
+/// converge is returned as it was. Pure.
 Alignment AlignSights(const Footprint& object, const std::vector<Mask>& masks,
                       const std::vector<Sight>& sights, const FacadeOptions& options);
 

@@ -34,12 +34,26 @@ HorizontalViews CollectHorizontalViews(const std::vector<Observation>& observati
   return views;
 }
 
-/// Of all pictures: the horizontal ones as they were adjusted, those from above as they are.
+/// The picture's view as it was adjusted to a wanted building, where it was.
+void TakeAdjustedView(const std::vector<SceneObject>& objects, Sight& sight) {
+  for (const SceneObject& object : objects) {
+    for (const Silhouette& silhouette : object.footprint.silhouettes) {
+      if (!object.is_matched || silhouette.capture_id != sight.capture_id) continue;
+      sight.view.map_from_camera = silhouette.view.map_from_camera;
+      sight.view.position_std_m = silhouette.view.position_std_m;
+      sight.view.orientation_std_rad = silhouette.view.orientation_std_rad;
+    }
+  }
+}
+
+/// Of all pictures, as they were adjusted.
 std::vector<Sight> CollectSights(const std::vector<Observation>& observations,
-                                 const HorizontalViews& horizontal) {
+                                 const HorizontalViews& horizontal, const std::vector<SceneObject>& objects) {
   std::vector<Sight> sights = horizontal.sights;
   for (const Observation& seen : observations) {
-    if (IsFromAbove(seen.image.purpose)) sights.push_back(seen.sight);
+    if (!IsFromAbove(seen.image.purpose)) continue;
+    sights.push_back(seen.sight);
+    TakeAdjustedView(objects, sights.back());
   }
   return sights;
 }
@@ -185,7 +199,7 @@ Understanding Understand(const std::vector<Observation>& observations, const Ref
       std::any_of(objects.begin(), objects.end(), [](const auto& object) { return object.is_matched; });
   if (is_found) RefineMatch(objects, all.matches.front(), reference, options.match);
 
-  const std::vector<Sight> sights = CollectSights(observations, views);
+  const std::vector<Sight> sights = CollectSights(observations, views, objects);
   all.scene = BuildScene(revision, std::move(objects), std::move(solids), sights, options.scene);
   for (const SceneObject& object : all.scene.objects) {
     const std::uint32_t id = object.footprint.object_id;

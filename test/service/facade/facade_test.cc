@@ -95,33 +95,6 @@ TEST(ReadFacades, SeesNothingWithoutPictures) {
   for (const Facade& facade : ReadFacades(Arch{}.footprint(), {}, {}, {}, {})) EXPECT_FALSE(facade.was_seen);
 }
 
-TEST(AlignSights, BringsNoisyPosesBackToTheBuilding) {
-  const std::vector<View> views = {test::FromSouth(), test::FromNorth()};
-  std::vector<View> reported = views;
-  for (View& view : reported) {
-    view.position_std_m = 0.08;
-    view.orientation_std_rad = 0.014;
-  }
-  reported[0].map_from_camera.translation_m += Eigen::Vector3d(0.06, -0.05, 0.07);
-  reported[1].map_from_camera.rotation =
-      Eigen::AngleAxisd(0.015, Eigen::Vector3d(0.6, 0.5, 0.62).normalized()) *
-      reported[1].map_from_camera.rotation;
-  const auto seeing = Look(views, {Arch{}.thing()}, reported);
-  const Alignment aligned = AlignSights(Arch{}.footprint(), seeing.masks, seeing.sights, {});
-  EXPECT_NEAR(aligned.footprint.height_m, 2.3, 0.05);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    for (const Eigen::Vector3d& corner : {Eigen::Vector3d(-2.0, 0.0, 0.0), Eigen::Vector3d(2.0, 0.0, 2.3)}) {
-      const Eigen::Vector2d truly = *Project(views[i], corner);
-      // The building itself is moved by the common part of the errors.
-      const Eigen::Vector2d shift =
-          aligned.footprint.polygon_in_map_m.outer[0] - Eigen::Vector2d(-2.0, -0.75);
-      const Eigen::Vector2d now =
-          *Project(aligned.sights[i].view, corner + Eigen::Vector3d(shift.x(), shift.y(), 0.0));
-      EXPECT_LT((now - truly).norm(), 3.0);
-    }
-  }
-}
-
 TEST(FindWayOut, EndsAtTheWallOpposite) {
   const auto way = FindWayOut({test::Box(-2.0, -0.75, 2.0, 0.75), {}}, 0, 1.0);
   ASSERT_TRUE(way.has_value());
