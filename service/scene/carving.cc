@@ -85,11 +85,12 @@ void Carving::AddTo(std::size_t number, const Evidence& picture, const Eigen::Ve
   const Sees sees = picture.SeeThrough(center, reach_m);
   if (sees == Sees::kSure) proof.is_surely_free = true;
   if (sees == Sees::kSure || sees == Sees::kLikely) proof.is_likely_free = true;
+  if (sees == Sees::kNothing && picture.ShowsDisguiseAt(center)) proof.is_disputed = true;
   if (sees == Sees::kNothing && picture.ShowsThingAt(center)) {
     proof.shows_things = true;
     Widen(things_[number], center);
   }
-  if (!proof.is_likely_free && picture.SeesPartly(center, reach_m)) {
+  if ((!proof.is_likely_free || proof.is_disputed) && picture.SeesPartly(center, reach_m)) {
     proof.has_parts = true;
     AddParts(parts_[number], picture, center);
   }
@@ -138,6 +139,7 @@ Voxel Carving::Judge(std::size_t number, const Eigen::Vector3d& center) const {
   const Parts parts = proof.has_parts ? parts_.at(number) : Parts{};
   if (parts.sure == kAll) return Voxel::kFree;
   if (proof.shows_things && Cosine(things_.at(number), center) < kOtherDirection) return Voxel::kThing;
+  if (proof.is_disputed) return Voxel::kUnknown;
   return proof.is_likely_free || parts.AreFree() ? Voxel::kFree : Voxel::kUnknown;
 }
 

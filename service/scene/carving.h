@@ -38,6 +38,7 @@ class Carving {
   struct Proof {
     bool is_surely_free : 1 = false;
     bool is_likely_free : 1 = false;
+    bool is_disputed : 1 = false;   ///< What is likely free by its colour is not, here.
     bool has_parts : 1 = false;     ///< There is something in `parts_` for it,
     bool shows_things : 1 = false;  ///< and in `things_`.
   };

@@ -14,6 +14,8 @@ constexpr int kMisfit_px = 6;   // Contradictions that stay so close to a predic
 constexpr int kMostMisfit_px = 40;
 constexpr double kMisfitSigmas = 2.0;
 constexpr int kMinThing_px = 20;
+constexpr int kSeam_px = 3;          // Within which a model's edge is not looked at.
+constexpr int kSameColor = 12;       // Of 255, in each channel.
 constexpr double kShade = 0.6;       // Of the brightness that half of the ground has.
 constexpr int kMinCovered_px = 12;   // Of the model: less does not tell that a thing is before it.
 constexpr double kFootShare = 0.12;  // Of the depth of a thing's foot: how well it is known.
@@ -80,6 +82,59 @@ int MisfitReach(const View& view, const Prediction& prediction) {
   return std::min(kMostMisfit_px, kMisfit_px + static_cast<int>(std::ceil(kMisfitSigmas * std_px)));
 }
 
+/// Number of a region's pixels that lie beside predicted background.
+int Contact(const cv::Mat1i& regions, int region, const cv::Rect& bounds,
+            const cv::Mat1b& beside_background) {
+  int contact = 0;
+  for (int y = bounds.y; y < bounds.y + bounds.height; ++y) {
+    for (int x = bounds.x; x < bounds.x + bounds.width; ++x)
+      contact += regions(y, x) == region && beside_background(y, x) != 0 ? 1 : 0;
+  }
+  return contact;
+}
+
+/// The first pixel of a region in the row of its middle.
+cv::Point SomePixel(const cv::Mat1i& regions, int region, const cv::Rect& bounds) {
+  for (int i = 0; i < bounds.height; ++i) {
+    const int y = bounds.y + (bounds.height / 2 + i) % bounds.height;
+    for (int x = bounds.x; x < bounds.x + bounds.width; ++x) {
+      if (regions(y, x) == region) return {x, y};
+    }
+  }
+  return bounds.tl();
+}
+
+/// A bar before an opening may be coloured like ground or sky; it is no background where it goes on before
+/// the model, farther than it is wide (a model that is wrong shows background along its edge). 255 there and
+/// wherever it goes on in the same colour.
+cv::Mat1b FindDisguised(const Sight& sight, const Prediction& prediction) {
+  cv::Mat1b within;
+  cv::erode(Only(prediction.label, Seen::kStructure), within, Square(kSeam_px));
+  const cv::Mat1b background = Either(Only(sight.seen, Seen::kGround), Only(sight.seen, Seen::kSky));
+  cv::Mat1b beside;
+  cv::bitwise_not(within, beside);
+  beside = Grow(beside, 1);
+  cv::Mat1i regions;
+  cv::Mat stats, centers;
+  const int count =
+      cv::connectedComponentsWithStats(Both(within, background), regions, stats, centers, 4, CV_32S);
+  cv::Mat3b smooth;
+  cv::GaussianBlur(sight.bgr, smooth, cv::Size(3, 3), 0.0);
+  cv::Mat1b filled(sight.seen.rows + 2, sight.seen.cols + 2, uchar{0});  // With a border, as floodFill wants.
+  for (int i = 1; i < count; ++i) {
+    const int area = stats.at<int>(i, cv::CC_STAT_AREA);
+    const cv::Rect bounds(stats.at<int>(i, cv::CC_STAT_LEFT), stats.at<int>(i, cv::CC_STAT_TOP),
+                          stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT));
+    if (area < kMinThing_px) continue;
+    const int contact = Contact(regions, i, bounds, beside);
+    if (contact == 0 || area < contact * contact) continue;
+    cv::floodFill(smooth, filled, SomePixel(regions, i, bounds), cv::Scalar(), nullptr,
+                  cv::Scalar::all(kSameColor), cv::Scalar::all(kSameColor),
+                  4 | cv::FLOODFILL_FIXED_RANGE | cv::FLOODFILL_MASK_ONLY | 255 << 8);
+  }
+  return filled(cv::Rect(1, 1, sight.seen.cols, sight.seen.rows)).clone();
+}
+
 }  // namespace
 
 Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& confirmed,
@@ -90,6 +145,8 @@ Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::M
   SOFFIT_EXPECT(sight.seen.size() == prediction.label.size() && confirmed.size() == prediction.label.size());
   is_doubtful_ = cv::Mat1b(sight.seen.size(), uchar{0});
   Compare(sight, prediction);
+  is_disguised_ = FindDisguised(sight, prediction);
+  fails_.setTo(1, is_disguised_);
   FindThings(sight, prediction);
   NoteUnconfirmedGround(sight, prediction, confirmed, region);
   cv::Mat1f least;
@@ -105,6 +162,7 @@ void Evidence::SumUp(const Prediction& prediction) {
   std::transform(component_.begin(), component_.end(), is_thing.begin(), [&](int component) {
     return things_[static_cast<std::size_t>(component)].far_m > 0.0F ? uchar{1} : uchar{0};
   });
+  is_thing.setTo(1, is_disguised_);
   cv::integral(fails_, fail_sum_, CV_32S);
   cv::integral(is_doubtful_, doubt_sum_, CV_32S);
   cv::integral(is_ground, ground_sum_, CV_32S);
@@ -195,15 +253,27 @@ void Evidence::NoteUnconfirmedGround(const Sight& sight, const Prediction& predi
   }
 }
 
+std::optional<cv::Point> Evidence::PixelAt(const Eigen::Vector3d& point_in_camera_m) const {
+  const Eigen::Vector3d& p = point_in_camera_m;
+  if (!(p.z() > 0.0)) return std::nullopt;
+  const Intrinsics& k = view_.intrinsics;
+  const cv::Point at(static_cast<int>(std::lround(k.fx_px * p.x() / p.z() + k.cx_px)),
+                     static_cast<int>(std::lround(k.fy_px * p.y() / p.z() + k.cy_px)));
+  if (at.x < 0 || at.y < 0 || at.x >= component_.cols || at.y >= component_.rows) return std::nullopt;
+  return at;
+}
+
 bool Evidence::ShowsThingAt(const Eigen::Vector3d& point_in_map_m) const {
   const Eigen::Vector3d p = InCamera(point_in_map_m);
-  if (!(p.z() > 0.0)) return false;
-  const Intrinsics& k = view_.intrinsics;
-  const int x = static_cast<int>(std::lround(k.fx_px * p.x() / p.z() + k.cx_px));
-  const int y = static_cast<int>(std::lround(k.fy_px * p.y() / p.z() + k.cy_px));
-  if (x < 0 || y < 0 || x >= component_.cols || y >= component_.rows) return false;
-  const Thing& thing = things_[static_cast<std::size_t>(component_(y, x))];
+  const auto pixel = PixelAt(p);
+  if (!pixel) return false;
+  const Thing& thing = things_[static_cast<std::size_t>(component_(*pixel))];
   return thing.far_m > 0.0F && p.z() >= thing.near_m && p.z() <= thing.far_m;
+}
+
+bool Evidence::ShowsDisguiseAt(const Eigen::Vector3d& point_in_map_m) const {
+  const auto pixel = PixelAt(InCamera(point_in_map_m));
+  return pixel && is_disguised_(*pixel) != 0;
 }
 
 std::optional<Evidence::Target> Evidence::About(const Eigen::Vector3d& center_in_map_m,

@@ -36,13 +36,17 @@ class Evidence {
   bool SeesPartly(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
 
   /// What SeeThrough() says of each ball within this one, where one look tells that for all of them.
-  /// kNothing: moreover none of them is seen partly, and no thing may stand there.
+  /// kNothing: moreover none of them is seen partly, and no thing or disguise shows there.
   std::optional<Sees> SeesAlike(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
 
   /// Whether something that the model does not have, and that is near, may stand at this point: it covers a
   /// part of the model that lies behind, or meets the ground here. What only shows before sky or far ground
   /// may be far away.
   bool ShowsThingAt(const Eigen::Vector3d& point_in_map_m) const;
+
+  /// Whether this point is before or behind something that is coloured like background and yet covers a part
+  /// of the model: there, that colour proves nothing in other pictures either.
+  bool ShowsDisguiseAt(const Eigen::Vector3d& point_in_map_m) const;
 
   const Eigen::Vector3d& camera_in_map_m() const { return view_.map_from_camera.translation_m; }
   std::uint32_t capture_id() const { return capture_id_; }
@@ -68,6 +72,8 @@ class Evidence {
     return turn_ * (point_in_map_m - camera_in_map_m());
   }
 
+  std::optional<cv::Point> PixelAt(const Eigen::Vector3d& point_in_camera_m) const;
+
   /// None when the ball is not wholly in the picture.
   std::optional<Target> About(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
 
@@ -84,16 +90,17 @@ class Evidence {
 
   std::uint32_t capture_id_ = 0;
   View view_;
-  Eigen::Matrix3d turn_;   ///< Turns vectors of the map into camera coordinates.
-  cv::Mat1b fails_;        ///< 1: the pixel proves nothing.
-  cv::Mat1b is_doubtful_;  ///< 1: what it proves is kPerhaps.
-  cv::Mat1f reach_m_;      ///< Free depth, the least within the edge tolerance.
-  cv::Mat1i fail_sum_;     ///< Integral picture of `fails_`.
-  cv::Mat1i ground_sum_;   ///< Integral picture of where ground is predicted,
-  cv::Mat1i doubt_sum_;    ///< and of what is kPerhaps.
-  cv::Mat1i component_;    ///< Index into `things_`; 0: none.
+  Eigen::Matrix3d turn_;    ///< Turns vectors of the map into camera coordinates.
+  cv::Mat1b fails_;         ///< 1: the pixel proves nothing.
+  cv::Mat1b is_disguised_;  ///< 255: coloured like background, and yet it covers a part of the model.
+  cv::Mat1b is_doubtful_;   ///< 1: what it proves is kPerhaps.
+  cv::Mat1f reach_m_;       ///< Free depth, the least within the edge tolerance.
+  cv::Mat1i fail_sum_;      ///< Integral picture of `fails_`.
+  cv::Mat1i ground_sum_;    ///< Integral picture of where ground is predicted,
+  cv::Mat1i doubt_sum_;     ///< and of what is kPerhaps.
+  cv::Mat1i component_;     ///< Index into `things_`; 0: none.
   std::vector<Thing> things_;
-  cv::Mat1i thing_sum_;               ///< Integral picture of where a thing of known depth shows.
+  cv::Mat1i thing_sum_;  ///< Integral picture of where a thing of known depth or a disguise shows.
   std::optional<RangePyramid> free_;  ///< Of `reach_m_`; the greatest leaves out what fails.
 };
 

@@ -72,6 +72,14 @@ TEST(BuildScene, SeesABeamOfTheBuildingsOwnColour) {
   EXPECT_NE(At(scene, 0.0, 0.0, 0.75), Space::kFree);
 }
 
+TEST(BuildScene, TakesNoBarForGroundThatGoesOnBeforeTheJambs) {
+  const cv::Vec3b like_ground(102, 104, 105);
+  const test::Thing bar = test::Block(test::Box(-1.1, -0.95, 1.1, -0.85), 0.3, 0.4, like_ground);
+  const std::vector<View> views = {test::FromSouth(), test::FromNorth()};
+  EXPECT_EQ(At(Build(Look(views, {Arch{}.thing()}).sights), 0.0, -0.9, 0.35), Space::kFree);
+  EXPECT_NE(At(Build(Look(views, {Arch{}.thing(), bar}).sights), 0.0, -0.9, 0.35), Space::kFree);
+}
+
 TEST(BuildScene, PlacesAPoleWhereItStands) {
   const test::Thing pole = test::Block(test::Box(-0.05, -1.3, 0.05, -1.2), 0.0, 2.5, {30, 60, 30});
   const View aside = test::LevelView({-3.0, -4.5, 1.1}, 0.95);
