@@ -141,7 +141,9 @@ def fly(options, conditions, phases, folder):
 
 
 def judge_flown(name, outcome, cutter):
-    problems = [] if outcome.ok else [f"{name}: {outcome.why}"]
+    # What is decided of the building is for mission_test.
+    is_safe = outcome.contacts == 0 and outcome.outcome not in ("failed", "aborted")
+    problems = [] if is_safe else [f"{name}: {outcome.why}"]
     problems += [f"{name}: never was {phase}" for phase in cutter.phases]
     for phase, goes_on_s in cutter.goes_on_s.items():
         print(f"{name}: cut for {OUTAGE_S:.0f} s while {phase}: goes on {goes_on_s:.2f} s after the return", flush=True)

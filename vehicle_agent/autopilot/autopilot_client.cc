@@ -89,8 +89,19 @@ CommandLong MakeMountControl(double pitch_rad, std::uint8_t target_system) {
   return command;
 }
 
-GeodeticOrigin MakeOrigin(std::int32_t lat_e7, std::int32_t lon_e7, std::int32_t alt_mm) {
-  return {lat_e7 * 1e-7, lon_e7 * 1e-7, alt_mm * 1e-3};
+/// None when there is no such place.
+std::optional<GeodeticOrigin> MakeOrigin(std::int32_t lat_e7, std::int32_t lon_e7, std::int32_t alt_mm) {
+  const GeodeticOrigin origin{lat_e7 * 1e-7, lon_e7 * 1e-7, alt_mm * 1e-3};
+  if (std::abs(origin.latitude_deg) > 90.0 || std::abs(origin.longitude_deg) > 180.0) return std::nullopt;
+  return origin;
+}
+
+/// The greatest of the ratios; beyond every limit when one of them is no number.
+double Worst(std::initializer_list<float> ratios) {
+  constexpr float kHopeless = 1000.0F;
+  float worst = 0.0F;
+  for (const float ratio : ratios) worst = std::max(worst, ratio < kHopeless ? ratio : kHopeless);
+  return static_cast<double>(worst);
 }
 
 }  // namespace
@@ -151,19 +162,19 @@ void AutopilotClient::TakeFromAutopilot(const Frame& frame, Instant now) {
     if (has_check) passes_prearm_ = (status->onboard_control_sensors_health & kSensorPrearmCheck) != 0;
   } else if (const auto ekf = Decode<EkfStatusReport>(frame)) {
     estimator_flags_ = ekf->flags;
-    estimator_ratio_ = std::max({ekf->velocity_variance, ekf->pos_horiz_variance, ekf->pos_vert_variance});
-    compass_ratio_ = static_cast<double>(ekf->compass_variance);
+    estimator_ratio_ = Worst({ekf->velocity_variance, ekf->pos_horiz_variance, ekf->pos_vert_variance});
+    compass_ratio_ = Worst({ekf->compass_variance});
   } else if (const auto estimator = Decode<EstimatorStatus>(frame)) {
     estimator_flags_ = estimator->flags;
-    estimator_ratio_ =
-        std::max({estimator->vel_ratio, estimator->pos_horiz_ratio, estimator->pos_vert_ratio});
-    compass_ratio_ = static_cast<double>(estimator->mag_ratio);
-    estimator_accuracy_m_ =
-        static_cast<double>(std::max(estimator->pos_horiz_accuracy, estimator->pos_vert_accuracy));
+    estimator_ratio_ = Worst({estimator->vel_ratio, estimator->pos_horiz_ratio, estimator->pos_vert_ratio});
+    compass_ratio_ = Worst({estimator->mag_ratio});
+    estimator_accuracy_m_ = Worst({estimator->pos_horiz_accuracy, estimator->pos_vert_accuracy});
   } else if (const auto origin = Decode<GpsGlobalOrigin>(frame)) {
-    frame_.SetLocalOrigin(MakeOrigin(origin->latitude, origin->longitude, origin->altitude));
+    const auto place = MakeOrigin(origin->latitude, origin->longitude, origin->altitude);
+    if (place) frame_.SetLocalOrigin(*place);
   } else if (const auto home = Decode<HomePosition>(frame)) {
-    frame_.SetHome(MakeOrigin(home->latitude, home->longitude, home->altitude));
+    if (const auto place = MakeOrigin(home->latitude, home->longitude, home->altitude))
+      frame_.SetHome(*place);
   } else if (const auto parameter = Decode<ParamValue>(frame)) {
     parameters_.Take(*parameter);
   } else if (const auto ack = Decode<mavlink::CommandAck>(frame)) {

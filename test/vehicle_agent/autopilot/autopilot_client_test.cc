@@ -275,6 +275,13 @@ TEST(AutopilotClient, DoesNotMoveTheMapWhenHomeIsSetAnew) {
   EXPECT_LT(talk.Report().position_in_map_m.norm(), 0.02);
 }
 
+TEST(AutopilotClient, TakesNoPlaceForHomeThatIsNotOnEarth) {
+  Talk talk;
+  talk.autopilot.home_latitude_e7 = 1'900'000'000;
+  talk.Run(3.0);
+  EXPECT_FALSE(talk.Report().has_position);
+}
+
 TEST(AutopilotClient, CountsTheTakeoffsHeightFromTheHomeThatTheAutopilotHasNow) {
   Talk talk;
   talk.Run(4.0);
@@ -558,6 +565,16 @@ TEST(AutopilotClient, ExpectsGreaterErrorsWhenTheSensorsContradictTheEstimator) 
     talk.Run(1.0);
     EXPECT_FALSE(talk.client.TrustsPoses(talk.now));
   }
+}
+
+TEST(AutopilotClient, DoesNotTrustAnEstimatorWhoseRatiosAreNoNumbers) {
+  Talk talk;
+  talk.Run(3.0);
+  ASSERT_TRUE(talk.client.TrustsPoses(talk.now));
+  talk.autopilot.estimator_ratio = std::numeric_limits<float>::quiet_NaN();
+  talk.Run(1.0);
+  EXPECT_FALSE(talk.client.TrustsPoses(talk.now));
+  EXPECT_GT(talk.Report().position_std_m, 1.0);
 }
 
 TEST(AutopilotClient, DoesNotTrustPosesOfWhichTheEstimatorExpectsGreatErrors) {
