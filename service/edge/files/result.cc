@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "service/edge/files/file.h"
+#include "service/edge/files/map_file.h"
 
 namespace soffit {
 namespace fs = std::filesystem;
@@ -155,16 +156,6 @@ std::string ToObj(const Solid& solid) {
   return text.str();
 }
 
-/// OctoMap's own writer of this format reports on standard error.
-std::string ToBt(const octomap::OcTree& octree) {
-  std::ostringstream stream;
-  stream.imbue(std::locale::classic());
-  stream << "# Octomap OcTree binary file\nid " << octree.getTreeType() << "\nsize " << octree.size()
-         << "\nres " << octree.getResolution() << "\ndata\n";
-  octree.writeBinaryData(stream);
-  return stream.str();
-}
-
 }  // namespace
 
 Status WriteResult(const fs::path& folder, const Understanding& understanding,
@@ -173,7 +164,8 @@ Status WriteResult(const fs::path& folder, const Understanding& understanding,
     if (Status status = WriteFile(folder / MeshFile(solid), ToObj(solid)); !status.ok()) return status;
   }
   if (const auto& octree = understanding.scene.octree) {
-    if (Status status = WriteFile(folder / "scene.bt", ToBt(*octree)); !status.ok()) return status;
+    Status status = WriteMap(folder / "scene.bt", *octree, understanding.scene.revision, MapFormat::kBinary);
+    if (!status.ok()) return status;
   }
   return WriteFile(folder / "result.json", ToJson(understanding, observations, flight).dump(1) + "\n");
 }

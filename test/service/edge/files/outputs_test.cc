@@ -208,7 +208,7 @@ TEST_F(OutputsTest, WriteOutputsWritesAllFilesAndLeavesNoPartsBehind) {
     if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), folder_).string());
   }
   EXPECT_THAT(files, testing::UnorderedElementsAre("models/1.obj", "overlay/overview.jpg", "overlay/wall.jpg",
-                                                   "result.json", "scene.bt", "scene.city.json", "scene.gpkg",
+                                                   "result.json", "scene.bt", "scene.bt.json", "scene.city.json", "scene.gpkg",
                                                    "scene.png", "summary.png", "top_view.png"));
   EXPECT_FALSE(cv::imread((folder_ / "overlay/wall.jpg").string()).empty());
 }
