@@ -11,8 +11,12 @@ namespace soffit {
 Status WriteOutputs(const std::filesystem::path& folder, const Analysis& analysis,
                     const FlightRecord& flight) {
   const auto& [observations, understanding] = analysis;
-  Status status = WriteFile(folder / "scene.city.json", ToCityJson(understanding.scene));
-  if (status.ok()) status = WriteGeoPackage(folder / "scene.gpkg", understanding, observations, flight);
+  Status status = WriteFile(folder / "scene.city.json", ToCityJson(understanding.scene, flight.origin));
+  if (status.ok()) {
+    status =
+        WriteGeoPackage(folder / "scene.gpkg",
+                        DescribeLayers(understanding, PicturesOf(observations), flight.track_in_map_m), flight.origin);
+  }
   if (status.ok() && !observations.empty())
     status = WritePictures(folder, understanding, observations, flight);
   if (status.ok()) status = WriteResult(folder, understanding, observations, flight);

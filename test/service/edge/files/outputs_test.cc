@@ -139,7 +139,7 @@ TEST_F(OutputsTest, WriteResultSaysWhereItCannotWrite) {
 }
 
 TEST_F(OutputsTest, CityJsonSolidIsClosedAndItsSoffitIsACeiling) {
-  const json city = json::parse(ToCityJson(all_.scene));
+  const json city = json::parse(ToCityJson(all_.scene, std::nullopt));
   EXPECT_EQ(city["version"], "2.0");
   const json& building = city["CityObjects"]["1"];
   const json& solid = building["geometry"][1];
@@ -171,30 +171,37 @@ TEST_F(OutputsTest, GeoPackageHoldsAllLayers) {
   FlightRecord flight;
   flight.track_in_map_m = {{0, 0, 0}, {0, 0, 3}, {2, -1.6, 0.7}};
   flight.origin = GeodeticOrigin{50.06, 19.94, 210.0};
-  const Status written = WriteGeoPackage(folder_ / "scene.gpkg", all_, observations_, flight);
+  const Status written = WriteGeoPackage(
+      folder_ / "scene.gpkg", DescribeLayers(all_, PicturesOf(observations_), flight.track_in_map_m), flight.origin);
   ASSERT_TRUE(written.ok()) << written.error().message;
   GDALAllRegister();
   GDALDataset* dataset = GDALDataset::Open((folder_ / "scene.gpkg").c_str(), GDAL_OF_VECTOR);
   ASSERT_NE(dataset, nullptr);
   const std::map<std::string, int> expected = {
-      {"buildings", 2}, {"openings", 2}, {"decisions", 1}, {"viewpoints", 2}, {"track", 1}};
+      {"footprints", 2}, {"openings", 2}, {"corridors", 1}, {"viewpoints", 2}, {"tracks", 1}};
   for (const auto& [name, count] : expected) {
     OGRLayer* layer = dataset->GetLayerByName(name.c_str());
     ASSERT_NE(layer, nullptr) << name;
     EXPECT_EQ(layer->GetFeatureCount(), count) << name;
     EXPECT_TRUE(layer->GetSpatialRef()->IsProjected());
   }
-  OGRLayer* decisions = dataset->GetLayerByName("decisions");
-  const OGRFeatureUniquePtr decision(decisions->GetNextFeature());
-  EXPECT_STREQ(decision->GetFieldAsString("decision"), "CLEAR");
+  const OGRFeatureUniquePtr decision(dataset->GetLayerByName("corridors")->GetNextFeature());
+  EXPECT_STREQ(decision->GetFieldAsString("verdict"), "CLEAR");
   EXPECT_NEAR(decision->GetGeometryRef()->toLineString()->get_Length(), 4.7, 1e-9);
+  EXPECT_EQ(dataset->GetLayerByName("decisions")->GetFeatureCount(), 1);
+  OGRLayer* styles = dataset->GetLayerByName("layer_styles");
+  ASSERT_NE(styles, nullptr);
+  EXPECT_EQ(styles->GetFeatureCount(), 5);
+  const OGRFeatureUniquePtr style(styles->GetNextFeature());
+  EXPECT_THAT(style->GetFieldAsString("styleQML"), HasSubstr("categorizedSymbol"));
   GDALClose(dataset);
 }
 
 TEST_F(OutputsTest, WritesTheSameBytesTwice) {
   for (const char* name : {"a", "b"}) {
     ASSERT_TRUE(WriteResult(folder_ / name, all_, observations_).ok());
-    ASSERT_TRUE(WriteGeoPackage(folder_ / name / "scene.gpkg", all_, observations_, {}).ok());
+    ASSERT_TRUE(
+        WriteGeoPackage(folder_ / name / "scene.gpkg", DescribeLayers(all_, PicturesOf(observations_), {}), {}).ok());
   }
   for (const char* file : {"result.json", "models/1.obj", "scene.bt", "scene.gpkg"}) {
     EXPECT_EQ(Read(folder_ / "a" / file), Read(folder_ / "b" / file)) << file;
@@ -207,9 +214,10 @@ TEST_F(OutputsTest, WriteOutputsWritesAllFilesAndLeavesNoPartsBehind) {
   for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
     if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), folder_).string());
   }
-  EXPECT_THAT(files, testing::UnorderedElementsAre("models/1.obj", "overlay/overview.jpg", "overlay/wall.jpg",
-                                                   "result.json", "scene.bt", "scene.bt.json", "scene.city.json", "scene.gpkg",
-                                                   "scene.png", "summary.png", "top_view.png"));
+  EXPECT_THAT(files,
+              testing::UnorderedElementsAre("models/1.obj", "overlay/overview.jpg", "overlay/wall.jpg",
+                                            "result.json", "scene.bt", "scene.bt.json", "scene.city.json",
+                                            "scene.gpkg", "scene.png", "summary.png", "top_view.png"));
   EXPECT_FALSE(cv::imread((folder_ / "overlay/wall.jpg").string()).empty());
 }
 
