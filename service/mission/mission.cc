@@ -550,6 +550,17 @@ Mission StartMission(const MissionOrder& order) {
   return mission;
 }
 
+Mission ContinueMission(Mission mission, std::int64_t now_utc_ns, const MissionOptions& options) {
+  mission.heard_utc_ns = now_utc_ns - ToNanoseconds(options.state_timeout_s) - 1;
+  mission.landed_utc_ns = 0;
+  mission.intruder_utc_ns = 0;
+  if (!mission.errand) return mission;
+  mission.errand->since_utc_ns = now_utc_ns;
+  mission.errand->sent_utc_ns = 0;
+  if (!mission.errand->is_ended) mission.errand->is_answered = false;
+  return mission;
+}
+
 MissionUpdate Advance(Mission mission, const MissionEvent& event, std::int64_t now_utc_ns,
                       const ViewpointOptions& viewpoints, const MissionOptions& options) {
   MissionUpdate update;

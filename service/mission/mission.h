@@ -181,6 +181,10 @@ struct Mission {
   std::string reason;
 };
 
+/// A mission that was interrupted for a while, made ready to go on where it was: its vehicle counts as silent
+/// until it is heard again, and what it was told last is said once more, with its number.
+Mission ContinueMission(Mission mission, std::int64_t now_utc_ns, const MissionOptions& options);
+
 struct MissionUpdate {
   Mission mission;
   std::vector<FlightCommand> commands;  ///< To be sent now, in this order.

@@ -235,7 +235,7 @@ Status WriteSurvey(const fs::path& folder, const Survey& survey) {
   for (const Capture& capture : survey.captures) {
     json["frames"].push_back(ToJson(capture));
     std::error_code ignored;
-    if (fs::exists(folder / capture.name, ignored)) continue;
+    if (capture.bytes.empty() || fs::exists(folder / capture.name, ignored)) continue;
     const std::string_view bytes(reinterpret_cast<const char*>(capture.bytes.data()), capture.bytes.size());
     if (Status status = WriteFile(folder / capture.name, bytes); !status.ok()) return status;
   }

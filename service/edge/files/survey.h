@@ -26,8 +26,8 @@ struct Survey {
 /// the folder are refused.
 Result<Survey> ReadSurvey(const std::filesystem::path& folder);
 
-/// Writes what `ReadSurvey` reads, and the pictures from the captures' bytes (those that are there already
-/// are kept).
+/// Writes what `ReadSurvey` reads, and the pictures from the captures' bytes (those without bytes, or that
+/// are there already, are left as they are).
 Status WriteSurvey(const std::filesystem::path& folder, const Survey& survey);
 
 /// Reads a small black-on-white map from a PNG or JPEG.

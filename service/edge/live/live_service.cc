@@ -8,9 +8,11 @@
 
 #include "service/edge/files/file.h"
 #include "service/edge/files/result.h"
+#include "service/edge/files/survey.h"
 #include "service/edge/live/findings.h"
 #include "service/match/match.h"
 #include "shared/options/yaml.h"
+#include "shared/result/say.h"
 
 namespace soffit {
 namespace {
@@ -22,7 +24,10 @@ constexpr auto kTick = 200ms;
 constexpr std::size_t kMaxReplies = 256;
 constexpr std::size_t kMaxWaitingFiles = 1024;
 constexpr std::size_t kMaxPictures = 10'000;
+constexpr std::uintmax_t kMaxPictureBytes = 64U << 20U;
 constexpr double kTrackStep_m = 0.02;
+constexpr double kTrackKept_s = 1.0;
+constexpr auto kLongestWaitForTheStore = 250ms;
 
 std::int64_t Now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -51,6 +56,33 @@ bool IsShownAlike(const MissionReport& a, const MissionReport& b) {
 
 void LogProblem(const std::string& problem) { spdlog::warn("{}", problem); }
 
+std::string PlaceOfStore(const ServiceOptions& options) {
+  return options.store.empty() ? (fs::path(options.data_folder) / "soffit.gpkg").string() : options.store;
+}
+
+/// What the store has. One on a disk that is full or read-only is still read.
+Result<std::vector<KeptRun>> ReadStore(const std::string& place) try {
+  Result<Store> store = Store::Open(place, false);
+  if (!store.ok()) {
+    const Error why = store.error();
+    store = Store::Open(place, true);
+    if (!store.ok()) return Error{why.code, "store: " + why.message};
+    spdlog::error("the store can only be read: {}", why.message);
+  }
+  return store.value().ReadNewest();
+} catch (const std::exception& damage) {
+  return Error{Error::Code::kUnavailable, Say("store: ", damage.what())};
+}
+
+std::optional<GeodeticOrigin> OriginOf(const MissionRun& run) {
+  return run.mission.vehicle ? run.mission.vehicle->origin : std::nullopt;
+}
+
+/// Within a task of the keeper.
+void Require(const Status& status) {
+  if (!status.ok()) throw std::runtime_error(status.error().message);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<LiveService>> LiveService::Start(const ServiceOptions& options, Stages stages) {
@@ -60,15 +92,18 @@ Result<std::unique_ptr<LiveService>> LiveService::Start(const ServiceOptions& op
     return Error{Error::Code::kUnavailable,
                  "the data folder " + options.data_folder + " cannot be made: " + problem.message()};
   }
+  Result<std::vector<KeptRun>> kept = ReadStore(PlaceOfStore(options));
+  if (!kept.ok()) return kept.error();
   auto radio = Participant::Join("soffitd radio", options.radio, LogProblem);
   if (!radio.ok()) return Error{radio.error().code, "radio: " + radio.error().message};
   auto local = Participant::Join("soffitd", options.local, LogProblem);
   if (!local.ok()) return Error{local.error().code, "local: " + local.error().message};
-  return std::unique_ptr<LiveService>(
-      new LiveService(options, std::move(stages), std::move(radio).value(), std::move(local).value()));
+  return std::unique_ptr<LiveService>(new LiveService(options, std::move(stages), std::move(radio).value(),
+                                                      std::move(local).value(), std::move(kept).value()));
 }
 
-LiveService::LiveService(const ServiceOptions& options, Stages stages, Participant radio, Participant local)
+LiveService::LiveService(const ServiceOptions& options, Stages stages, Participant radio, Participant local,
+                         std::vector<KeptRun> kept)
     : options_(options),
       stages_(std::move(stages)),
       epoch_utc_ns_(Now()),
@@ -94,11 +129,19 @@ LiveService::LiveService(const ServiceOptions& options, Stages stages, Participa
                   loop_.Post([this, request = std::move(request)] { OnRequest(request); });
                 }),
       workers_(options.workers, static_cast<std::size_t>(options.max_waiting_pictures)),
-      disk_(1, kMaxWaitingFiles) {}
+      disk_(1, kMaxWaitingFiles),
+      keeper_(PlaceOfStore(options), [this](const std::string& trouble) {
+        trouble.empty() ? spdlog::info("the store is written again")
+                        : spdlog::error("the store cannot be written: {}", trouble);
+        loop_.Post([this, trouble] { trouble_ = trouble; });
+      }) {
+  for (KeptRun& run : kept) Restore(std::move(run));
+}
 
 LiveService::~LiveService() = default;
 
 void LiveService::Run() {
+  for (auto& [vehicle_id, run] : runs_) PublishReport(run);
   loop_.Run(kTick, [this] { OnTick(); });
   for (auto& [vehicle_id, run] : runs_) {
     if (run.mission.status.state == MissionState::kEnded) continue;
@@ -144,6 +187,9 @@ void LiveService::OnAck(const CommandAck& ack) {
     spdlog::warn("vehicle {}: command {} {}: {}", ack.vehicle_id, ack.sequence, ToString(ack.status),
                  ack.reason);
   }
+  if (ack.status != AckStatus::kAccepted)
+    Note(*run, "answer",
+         Say(ack.sequence, " ", ToString(ack.status), ack.reason.empty() ? "" : ": ", ack.reason));
   Feed(*run, ack);
 }
 
@@ -160,21 +206,12 @@ void LiveService::OnCapture(Capture capture) {
   capture.name = NamePicture(capture);
   run->log.pictures.push_back(
       {capture.capture_id, capture.name, capture.purpose, SecondsInto(*run), -1.0, -1.0, ""});
-  run->captures.push_back(capture);
-  SaveSurvey(*run);
+  KeepPicture(*run, capture);
   scenes_.ros().PublishCapture(capture);
-
-  const auto shared = std::make_shared<const Capture>(std::move(capture));
-  const bool is_taken = workers_.TrySubmit([this, shared] {
-    auto seen = std::make_shared<Result<Observation>>(stages_.observe(*shared));
-    loop_.Post([this, shared, seen] {
-      OnObserved(shared->vehicle_id, shared->mission_id, shared->capture_id, std::move(*seen));
-    });
-  });
-  if (!is_taken) {
-    OnObserved(shared->vehicle_id, shared->mission_id, shared->capture_id,
-               Error{Error::Code::kUnavailable, "the service is busy with other pictures"});
-  }
+  run->unobserved.insert(capture.capture_id);
+  if (TryToObserve(*run, capture)) return;
+  OnObserved(capture.vehicle_id, capture.mission_id, capture.capture_id,
+             Error{Error::Code::kUnavailable, "the service is busy with other pictures"});
 }
 
 void LiveService::OnRequest(const MissionRequest& request) {
@@ -196,7 +233,9 @@ void LiveService::OnRequest(const MissionRequest& request) {
 void LiveService::OnTick() {
   for (auto& [vehicle_id, run] : runs_) {
     Feed(run, Tick{});
+    ReadPictures(run);
     TryToUnderstand(run);
+    KeepTrack(run);
   }
   PublishHeartbeats();
 }
@@ -234,6 +273,7 @@ MissionReply LiveService::StartFlight(const MissionRequest& request) {
   run.started_utc_ns = Now();
   last_mission_id_ =
       std::max(last_mission_id_ + 1, static_cast<std::uint64_t>(run.started_utc_ns / 1'000'000));
+  run.request_id = request.id;
   run.mission = StartMission(
       {request.vehicle_id, last_mission_id_, request.area_center_in_map_m, request.area_radius_m});
   run.folder = fs::path(options_.data_folder) / ("mission-" + std::to_string(last_mission_id_));
@@ -247,11 +287,10 @@ MissionReply LiveService::StartFlight(const MissionRequest& request) {
     run.reference = reference.value();
     const auto bytes = std::make_shared<const std::vector<std::uint8_t>>(request.reference);
     // With the survey and these options `soffit analyze` and `soffit report` repeat what was understood here.
-    OnDisk("the options", [file = run.folder / "options.yaml", text = DescribeOptions(options_.pipeline)] {
-      return WriteFile(file, text);
-    });
-    OnDisk("the reference", [file = run.folder / run.reference_file, bytes] {
-      return WriteFile(file, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    keeper_.Keep([folder = run.folder, name = run.reference_file, bytes,
+                  options = DescribeOptions(options_.pipeline)](Store&) {
+      Require(WriteFile(folder / "options.yaml", options));
+      Require(WriteFile(folder / name, {reinterpret_cast<const char*>(bytes->data()), bytes->size()}));
     });
     spdlog::info("mission {}: vehicle {} looks for '{}', {} shapes", last_mission_id_, request.vehicle_id,
                  request.reference_name, run.reference.shapes.size());
@@ -265,9 +304,10 @@ MissionReply LiveService::StartFlight(const MissionRequest& request) {
     run.mission.status.outcome = MissionOutcome::kFailed;
     run.mission.status.message = reply.message;
   }
-  MissionRun& kept = runs_[request.vehicle_id] = std::move(run);
-  PublishScene(kept);
-  PublishReport(kept);
+  MissionRun& begun = runs_[request.vehicle_id] = std::move(run);
+  Note(begun, "begin", Say("vehicle ", request.vehicle_id, " looks for ", request.reference_name));
+  PublishReport(begun);
+  scenes_.Publish(Snapshot(begun));
   return reply;
 }
 
@@ -294,23 +334,30 @@ MissionRun* LiveService::FindRun(std::uint32_t vehicle_id, std::uint64_t mission
 void LiveService::Feed(MissionRun& run, const MissionEvent& event) {
   if (run.mission.status.state == MissionState::kEnded) return;
   const std::size_t known_problems = run.mission.status.problems.size();
+  const std::uint32_t known_sequence = run.mission.last_sequence;
   MissionUpdate update =
       Advance(std::move(run.mission), event, Now(), options_.pipeline.viewpoint, options_.mission);
   run.mission = std::move(update.mission);
+  const auto& problems = run.mission.status.problems;
+  for (std::size_t i = known_problems; i < problems.size(); ++i) {
+    spdlog::warn("mission {}: {}", run.mission.order.mission_id, problems[i]);
+    Note(run, "problem", problems[i]);
+  }
+  for (const FlightCommand& command : update.commands) {
+    if (command.sequence > known_sequence)
+      Note(run, "command", Say(command.sequence, " ", ToString(command.kind)));
+  }
+  NoteStep(run);
+  PublishReport(run);
   for (const FlightCommand& command : update.commands) {
     commands_.Write(command);
     scenes_.ros().PublishWaypoints(command.vehicle_id, command.issued_utc_ns, command.path_in_map_m);
   }
   if (!update.commands.empty()) NoteDecisions(run);
   if (update.wants_findings) run.is_understanding_wanted = true;
-  const auto& problems = run.mission.status.problems;
-  for (std::size_t i = known_problems; i < problems.size(); ++i) {
-    spdlog::warn("mission {}: {}", run.mission.order.mission_id, problems[i]);
-  }
-  NoteStep(run);
-  PublishReport(run);
   TryToUnderstand(run);
   if (run.mission.status.state == MissionState::kEnded) {
+    KeepTrack(run);
     SaveLog(run);
     SaveResults(run);
   }
@@ -334,15 +381,110 @@ void LiveService::NoteStep(MissionRun& run) {
   const MissionStep step = run.mission.status.step;
   if (!run.log.steps.empty() && run.log.steps.back().step == step) return;
   run.log.steps.push_back({step, SecondsInto(run)});
+  Note(run, "step", Say(ToString(step), ": ", run.mission.status.message));
   SaveLog(run);
 }
 
+// ---- What survives this process ----
+
+/// Everything is as it was but for what is heard anew; the pictures are looked at again.
+void LiveService::Restore(KeptRun kept) {
+  MissionRun run;
+  static_cast<KeptMission&>(run) = std::move(kept.mission);
+  const MissionOrder order = run.mission.order;
+  last_mission_id_ = std::max(last_mission_id_, order.mission_id);
+  run.folder = fs::path(options_.data_folder) / ("mission-" + std::to_string(order.mission_id));
+  run.kept = WriteMission(run);
+  run.track_kept = run.log.track.size();
+  for (const auto& scene : kept.scenes) {
+    if (scene->origin.scene_revision == run.findings_revision)
+      run.mission.findings = MakeFindings(*scene->understanding);
+  }
+  if (!kept.scenes.empty()) {
+    run.scene_revision = kept.scenes.back()->origin.scene_revision;
+    run.understanding = kept.scenes.back()->understanding;
+    run.decisions = kept.scenes.back()->decisions;
+    scenes_.Restore(MakeHistory(std::move(kept.revisions), std::move(kept.scenes)));
+  }
+  const bool was_accepted = run.mission.status.outcome != MissionOutcome::kFailed;
+  replies_.push_back({run.request_id, was_accepted, order.mission_id, run.mission.status.message});
+  if (run.mission.status.state != MissionState::kEnded) {
+    spdlog::warn("mission {} of vehicle {} goes on: {}", order.mission_id, order.vehicle_id,
+                 ToString(run.mission.status.step));
+    const Result<Reference> reference = ReadReferenceFile(run.folder / run.reference_file);
+    if (reference.ok()) run.reference = reference.value();
+    if (!reference.ok()) spdlog::error("mission {}: {}", order.mission_id, reference.error().message);
+    run.mission = ContinueMission(std::move(run.mission), Now(), options_.mission);
+    run.is_understanding_wanted = run.mission.is_waiting_for_findings;
+    for (const Capture& capture : run.captures) {
+      run.unobserved.insert(capture.capture_id);
+      run.unread.push_back(capture.capture_id);
+    }
+  }
+  runs_[order.vehicle_id] = std::move(run);
+}
+
+void LiveService::Note(MissionRun& run, const char* kind, std::string text) {
+  run.news.push_back({Now(), kind, std::move(text)});
+}
+
+/// Nothing is sent that follows from what could be forgotten: whoever hears of it finds it again after a
+/// restart. A store that is slow or away keeps nobody waiting.
+void LiveService::Keep(MissionRun& run) {
+  run.findings_revision = run.mission.findings ? run.mission.findings->scene_revision : 0;
+  MissionRecord record = WriteMission(run);
+  if (record == run.kept && run.news.empty()) return;
+  run.kept = record;
+  keeper_.Keep([record = std::move(record), news = std::exchange(run.news, {})](Store& store) {
+    store.PutMission(record);
+    store.AddToJournal(record.mission_id, news);
+  });
+  keeper_.Wait(kLongestWaitForTheStore);
+}
+
+void LiveService::KeepTrack(MissionRun& run) {
+  const auto& track = run.log.track;
+  if (run.track_kept == track.size()) return;
+  const bool is_ended = run.mission.status.state == MissionState::kEnded;
+  if (!is_ended && track.back().time_s - track[run.track_kept].time_s < kTrackKept_s) return;
+  std::vector<TrackPoint> points(track.begin() + static_cast<std::ptrdiff_t>(run.track_kept), track.end());
+  run.track_kept = track.size();
+  keeper_.Keep([id = run.mission.order.mission_id, points = std::move(points),
+                origin = OriginOf(run)](Store& store) { store.AddTrack(id, points, origin); });
+}
+
 // ---- Pictures ----
+
+bool LiveService::TryToObserve(MissionRun& run, const Capture& capture) {
+  const auto shared = std::make_shared<Capture>(capture);
+  return workers_.TrySubmit([this, shared, folder = run.folder] {
+    auto seen = std::make_shared<Result<Observation>>(Error{});
+    if (shared->bytes.empty()) {
+      Result<std::vector<std::uint8_t>> bytes = ReadFile(folder / shared->name, kMaxPictureBytes);
+      bytes.ok() ? void(shared->bytes = std::move(bytes).value()) : void(*seen = bytes.error());
+    }
+    if (!shared->bytes.empty()) *seen = stages_.observe(*shared);
+    loop_.Post([this, shared, seen] {
+      OnObserved(shared->vehicle_id, shared->mission_id, shared->capture_id, std::move(*seen));
+    });
+  });
+}
+
+/// Looks again at what arrived before a restart.
+void LiveService::ReadPictures(MissionRun& run) {
+  while (!run.unread.empty()) {
+    const auto capture = std::find_if(run.captures.begin(), run.captures.end(),
+                                      [&](const Capture& c) { return c.capture_id == run.unread.front(); });
+    if (!TryToObserve(run, *capture)) return;  // At the next tick.
+    run.unread.pop_front();
+  }
+}
 
 void LiveService::OnObserved(std::uint32_t vehicle_id, std::uint64_t mission_id, std::uint32_t capture_id,
                              Result<Observation> seen) {
   MissionRun* run = FindRun(vehicle_id, mission_id);
   if (run == nullptr) return;
+  run->unobserved.erase(capture_id);
   PictureResult result{capture_id, ""};
   if (!seen.ok()) {
     result.problem = seen.error().message;
@@ -351,15 +493,19 @@ void LiveService::OnObserved(std::uint32_t vehicle_id, std::uint64_t mission_id,
     run->observations.insert_or_assign(capture_id, std::move(seen).value());
   }
   for (PictureTimes& picture : run->log.pictures) {
-    if (picture.capture_id != capture_id) continue;
+    if (picture.capture_id != capture_id || picture.observed_s >= 0.0) continue;
     picture.observed_s = SecondsInto(*run);
     picture.problem = result.problem;
   }
-  Feed(*run, result);
+  const auto& known = run->mission.pictures;
+  const bool is_known = std::any_of(known.begin(), known.end(),
+                                    [&](const PictureResult& p) { return p.capture_id == capture_id; });
+  if (!is_known) Feed(*run, result);
 }
 
 void LiveService::TryToUnderstand(MissionRun& run) {
   if (!run.is_understanding_wanted || run.is_understanding || !run.mission.vehicle) return;
+  if (!run.unobserved.empty()) return;
   std::vector<Observation> observations;
   for (const auto& [capture_id, seen] : run.observations) observations.push_back(seen);
   const MissionOrder order = run.mission.order;
@@ -404,20 +550,29 @@ void LiveService::OnUnderstood(std::uint32_t vehicle_id, std::uint64_t mission_i
                  ToString(decision.verdict), decision.reason);
   }
   run->understanding = std::move(all);
-  PublishScene(*run);
+  const auto snapshot = Snapshot(*run);
+  keeper_.Keep([snapshot, origin = OriginOf(*run)](Store& store) { store.AddScene(*snapshot, origin); });
+  Note(*run, "scene", Say("revision ", snapshot->origin.scene_revision));
+  Keep(*run);
+  scenes_.Publish(snapshot);
   SaveResults(*run);
   Feed(*run, MakeFindings(*run->understanding));
 }
 
-void LiveService::SaveSurvey(MissionRun& run) {
+/// The picture is on the disk before the store knows of it.
+void LiveService::KeepPicture(MissionRun& run, const Capture& capture) {
+  run.captures.push_back(capture);
   const auto survey = std::make_shared<Survey>();
   survey->captures = run.captures;
   if (run.mission.vehicle) survey->vehicle = run.mission.vehicle->envelope;
   if (run.mission.vehicle) survey->origin = run.mission.vehicle->origin;
   survey->reference_file = run.reference_file;
   survey->colors = options_.pipeline.mask.colors;
-  OnDisk("a picture", [folder = run.folder, survey] { return WriteSurvey(folder, *survey); });
-  for (Capture& capture : run.captures) capture.bytes.clear();
+  keeper_.Keep([folder = run.folder, survey, origin = survey->origin](Store& store) {
+    Require(WriteSurvey(folder, *survey));
+    store.AddCapture(survey->captures.back(), origin);
+  });
+  run.captures.back().bytes.clear();
 }
 
 void LiveService::SaveResults(const MissionRun& run) {
@@ -448,15 +603,24 @@ void LiveService::OnDisk(const std::string& what, std::function<Status()> write)
 
 // ---- What it tells ----
 
+/// Nobody sees a report that is forgotten by a restart.
 void LiveService::PublishReport(MissionRun& run) {
+  const bool is_news = UpdateReport(run);
+  Keep(run);
+  if (is_news) statuses_.Write(*run.published);
+}
+
+/// Whether there is something to tell.
+bool LiveService::UpdateReport(MissionRun& run) {
   MissionReport& report = run.log.report;
   report.vehicle_id = run.mission.order.vehicle_id;
   report.mission_id = run.mission.order.mission_id;
   report.started_utc_ns = run.started_utc_ns;
   report.status = run.mission.status;
+  if (!trouble_.empty()) report.status.problems.push_back("what happens cannot be kept: " + trouble_);
   report.pictures_received = static_cast<std::uint32_t>(run.captures.size());
   report.pictures_used = static_cast<std::uint32_t>(run.observations.size());
-  if (run.published && IsShownAlike(*run.published, report)) return;
+  if (run.published && IsShownAlike(*run.published, report)) return false;
   if (!run.published || run.published->status.message != report.status.message) {
     spdlog::info("mission {}: {}: {}", report.mission_id, ToString(report.status.step),
                  report.status.message);
@@ -464,18 +628,18 @@ void LiveService::PublishReport(MissionRun& run) {
   report.revision += 1;
   report.stamp_utc_ns = Now();
   run.published = report;
-  statuses_.Write(report);
+  return true;
 }
 
-void LiveService::PublishScene(const MissionRun& run) {
+std::shared_ptr<const SceneSnapshot> LiveService::Snapshot(const MissionRun& run) const {
   const std::uint64_t revision = run.understanding ? run.understanding->scene.revision : run.scene_revision;
-  scenes_.Publish(std::make_shared<SceneSnapshot>(
+  return std::make_shared<SceneSnapshot>(
       SceneSnapshot{{run.mission.order.vehicle_id, run.mission.order.mission_id, revision},
                     Now(),
                     run.understanding,
                     run.decisions,
                     run.mission.vehicle ? run.mission.vehicle->envelope : VehicleEnvelope{},
-                    run.reference_name}));
+                    run.reference_name});
 }
 
 void LiveService::PublishHeartbeats() {

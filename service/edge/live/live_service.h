@@ -6,15 +6,16 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "service/edge/dds/service_topics.h"
 #include "service/edge/live/event_loop.h"
-#include "service/edge/live/mission_folder.h"
 #include "service/edge/live/scene_server.h"
 #include "service/edge/live/service_options.h"
 #include "service/edge/live/thread_pool.h"
+#include "service/edge/store/keeper.h"
 #include "shared/dds/reader.h"
 #include "shared/dds/writer.h"
 #include "shared/wire/topics.h"
@@ -30,24 +31,24 @@ struct Stages {
 };
 
 /// One mission as the service leads it.
-struct MissionRun {
-  Mission mission;
+struct MissionRun : KeptMission {
   Reference reference;
-  std::string reference_name;
-  std::string reference_file;
   std::filesystem::path folder;
-  std::int64_t started_utc_ns = 0;
 
-  std::vector<Capture> captures;  ///< As they arrived; those that are on disk without their bytes.
   std::map<std::uint32_t, Observation> observations;
+  std::set<std::uint32_t> unobserved;  ///< Pictures that are being worked on, or wait for it.
+  std::deque<std::uint32_t> unread;    ///< Those of them that have to be read from the disk first.
   std::uint64_t scene_revision = 0;
   bool is_understanding_wanted = false;
   bool is_understanding = false;
   std::shared_ptr<const Understanding> understanding;  ///< Null: none yet.
   std::vector<DecisionReport> decisions;               ///< Of `understanding`.
 
-  MissionLog log;
   std::optional<MissionReport> published;  ///< The newest.
+
+  MissionRecord kept;              ///< As it was given to the keeper last.
+  std::vector<JournalEntry> news;  ///< Not yet given to it, as is the track from here on.
+  std::size_t track_kept = 0;
 };
 
 /// The ground service: leads a mission for each vehicle, over DDS. Everything happens on one thread (Run),
@@ -55,7 +56,8 @@ struct MissionRun {
 /// a task of that thread.
 class LiveService {
  public:
-  /// Joins both domains. An error when a domain, or the data folder, cannot be used.
+  /// Joins both domains, and goes on with the missions that the store has. An error when a domain, the data
+  /// folder or the store cannot be used. A store that can only be read is told, and does.
   static Result<std::unique_ptr<LiveService>> Start(const ServiceOptions& options, Stages stages);
   ~LiveService();
 
@@ -63,7 +65,8 @@ class LiveService {
   void Stop();  ///< From any thread.
 
  private:
-  LiveService(const ServiceOptions& options, Stages stages, Participant radio, Participant local);
+  LiveService(const ServiceOptions& options, Stages stages, Participant radio, Participant local,
+              std::vector<KeptRun> kept);
 
   // What others say.
   void OnState(const VehicleState& state);
@@ -78,23 +81,30 @@ class LiveService {
   MissionReply Wish(const MissionRequest& request, OperatorWish wish);
   MissionRun* FindRun(std::uint32_t vehicle_id, std::uint64_t mission_id);
   void Feed(MissionRun& run, const MissionEvent& event);
+  void Restore(KeptRun kept);
   void NoteDecisions(MissionRun& run);
   void NoteStep(MissionRun& run);
+  void Note(MissionRun& run, const char* kind, std::string text);
+  void Keep(MissionRun& run);
+  void KeepTrack(MissionRun& run);
 
   // Pictures.
+  bool TryToObserve(MissionRun& run, const Capture& capture);
+  void ReadPictures(MissionRun& run);
   void OnObserved(std::uint32_t vehicle_id, std::uint64_t mission_id, std::uint32_t capture_id,
                   Result<Observation> seen);
   void TryToUnderstand(MissionRun& run);
   void OnUnderstood(std::uint32_t vehicle_id, std::uint64_t mission_id, std::shared_ptr<Understanding> all,
                     const std::string& failure);
-  void SaveSurvey(MissionRun& run);
+  void KeepPicture(MissionRun& run, const Capture& capture);
   void SaveResults(const MissionRun& run);
   void SaveLog(const MissionRun& run);
   void OnDisk(const std::string& what, std::function<Status()> write);
 
   // What it tells.
+  bool UpdateReport(MissionRun& run);
   void PublishReport(MissionRun& run);
-  void PublishScene(const MissionRun& run);
+  std::shared_ptr<const SceneSnapshot> Snapshot(const MissionRun& run) const;
   void PublishHeartbeats();
   double SecondsInto(const MissionRun& run) const;
 
@@ -106,6 +116,7 @@ class LiveService {
   std::map<std::uint32_t, MissionRun> runs_;  ///< The newest of each vehicle.
   std::map<std::uint32_t, VehicleState> vehicles_;
   std::deque<MissionReply> replies_;  ///< The latest: a resent request gets its answer again.
+  std::string trouble_;               ///< Of the store; empty: none.
 
   EventLoop loop_;
   Participant radio_;
@@ -121,6 +132,7 @@ class LiveService {
   Reader<MissionRequestTopic> requests_;
   ThreadPool workers_;
   ThreadPool disk_;  ///< One thread: files are written in order.
+  Keeper keeper_;
 };
 
 }  // namespace soffit

@@ -12,7 +12,6 @@
 namespace soffit {
 namespace {
 
-constexpr std::size_t kKeptRevisions = 8;
 constexpr std::size_t kListedRevisions = 256;
 constexpr double kMaxSearchCells = 4e6;
 constexpr double kMaxWay_m = 1000.0;
@@ -346,23 +345,26 @@ SceneReply Answer(Question q) {
 
 }  // namespace
 
+SceneHistory MakeHistory(std::vector<Revision> revisions,
+                         std::vector<std::shared_ptr<const SceneSnapshot>> kept) {
+  SceneHistory history{std::move(kept), std::move(revisions)};
+  if (history.kept.size() > kKeptRevisions) history.kept.erase(history.kept.begin());
+  if (history.revisions.size() > kListedRevisions)
+    history.revisions.erase(history.revisions.begin(), history.revisions.end() - kListedRevisions);
+  for (Revision& revision : history.revisions)
+    revision.is_kept = FindRevision(history, revision.scene_revision) != nullptr;
+  return history;
+}
+
 SceneHistory Extend(const SceneHistory& history, std::shared_ptr<const SceneSnapshot> snapshot) {
   SceneHistory extended;
   const bool is_same_mission =
       !history.kept.empty() && history.kept.front()->origin.mission_id == snapshot->origin.mission_id;
   if (is_same_mission) extended = history;
   if (snapshot->understanding == nullptr) return extended;
-  const Scene& scene = snapshot->understanding->scene;
-  extended.revisions.push_back(
-      {snapshot->origin.mission_id, snapshot->origin.scene_revision, snapshot->stamp_utc_ns,
-       static_cast<std::uint32_t>(scene.objects.size()), static_cast<std::uint32_t>(scene.solids.size()),
-       static_cast<std::uint32_t>(snapshot->decisions.size()), scene.octree->size(), true});
+  extended.revisions.push_back(DescribeRevision(*snapshot));
   extended.kept.push_back(std::move(snapshot));
-  if (extended.kept.size() > kKeptRevisions) extended.kept.erase(extended.kept.begin());
-  if (extended.revisions.size() > kListedRevisions) extended.revisions.erase(extended.revisions.begin());
-  for (Revision& revision : extended.revisions)
-    revision.is_kept = FindRevision(extended, revision.scene_revision) != nullptr;
-  return extended;
+  return MakeHistory(std::move(extended.revisions), std::move(extended.kept));
 }
 
 BuildingModelReport ReportModel(const Origin& origin, const Solid& solid) {

@@ -31,9 +31,22 @@ SceneServer::SceneServer(const Participant& local, const PipelineOptions& option
 void SceneServer::Publish(std::shared_ptr<const SceneSnapshot> snapshot) {
   const std::uint32_t vehicle_id = snapshot->origin.vehicle_id;
   const std::lock_guard lock(mutex_);
-  auto& history = histories_[vehicle_id];
-  history = std::make_shared<SceneHistory>(Extend(history ? *history : SceneHistory(), snapshot));
-  newest_[vehicle_id] = std::move(snapshot);
+  const auto& before = histories_[vehicle_id];
+  auto history = std::make_shared<SceneHistory>(Extend(before ? *before : SceneHistory(), snapshot));
+  Schedule(vehicle_id, std::move(snapshot), std::move(history));
+}
+
+void SceneServer::Restore(SceneHistory history) {
+  std::shared_ptr<const SceneSnapshot> newest = history.kept.back();
+  const std::lock_guard lock(mutex_);
+  Schedule(newest->origin.vehicle_id, newest, std::make_shared<SceneHistory>(std::move(history)));
+}
+
+/// With the lock.
+void SceneServer::Schedule(std::uint32_t vehicle_id, std::shared_ptr<const SceneSnapshot> newest,
+                           std::shared_ptr<const SceneHistory> history) {
+  histories_[vehicle_id] = std::move(history);
+  newest_[vehicle_id] = std::move(newest);
   if (unsent_.contains(vehicle_id)) return;
   if (sender_.TrySubmit([this, vehicle_id] { SendNewest(vehicle_id); })) unsent_.insert(vehicle_id);
 }

@@ -28,6 +28,9 @@ class SceneServer {
   /// sent.
   void Publish(std::shared_ptr<const SceneSnapshot> snapshot);
 
+  /// The same of a mission that was found again, with its newest revisions; there is at least one.
+  void Restore(SceneHistory history);
+
   RosTopics& ros() { return ros_; }
 
  private:
@@ -38,6 +41,8 @@ class SceneServer {
   };
 
   void OnQuery(const SceneQuery& query);
+  void Schedule(std::uint32_t vehicle_id, std::shared_ptr<const SceneSnapshot> newest,
+                std::shared_ptr<const SceneHistory> history);
   SceneReply Answer(const SceneQuery& query, std::chrono::steady_clock::time_point asked) const;
   void SendNewest(std::uint32_t vehicle_id);
   void SendTopics(const SceneSnapshot& snapshot);

@@ -14,6 +14,7 @@ struct ServiceOptions {
   DdsOptions radio = DefaultRadioOptions();
   DdsOptions local = DefaultLocalOptions();
   std::string data_folder = "soffit-data";
+  std::string store;
   int workers = 2;
   int max_waiting_pictures = 32;
   MissionOptions mission;
@@ -25,6 +26,11 @@ struct ServiceOptions {
     field("local", self.local);
     field("data_folder", self.data_folder,
           OptionInfo{0, 0, "", "Each mission keeps its pictures and results in a folder below it"});
+    field(
+        "store", self.store,
+        OptionInfo{0, 0, "",
+                   "Where missions are kept: a GeoPackage file, or 'PG:' and a connection string of PostGIS; "
+                   "empty: soffit.gpkg in the data folder"});
     field("workers", self.workers, OptionInfo{1, 256, "", "Threads that work on pictures"});
     field("max_waiting_pictures", self.max_waiting_pictures,
           OptionInfo{1, 10000, "", "More are refused, and taken again"});

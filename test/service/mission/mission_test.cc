@@ -736,6 +736,42 @@ TEST(Advance, WaitsForALandingAsLongAsItsHeightTakes) {
   EXPECT_THAT(flight.status().problems, IsEmpty());
 }
 
+TEST(ContinueMission, GoesOnWhereverItWasInterrupted) {
+  Flight whole;
+  whole.Run();
+  const auto commands = static_cast<std::uint32_t>(whole.sent.size());
+  for (std::uint32_t interrupted = 1; interrupted <= commands; ++interrupted) {
+    for (const bool is_command_lost : {true, false}) {
+      Flight flight;
+      while (flight.mission.last_sequence < interrupted &&
+             flight.mission.status.state != MissionState::kEnded)
+        flight.Step();
+      if (is_command_lost) flight.inbox.clear();
+      flight.now_ns += 5 * kSecond_ns;
+      flight.mission = ContinueMission(std::move(flight.mission), flight.now_ns, flight.options);
+      if (flight.mission.is_waiting_for_findings) flight.is_asked = true;
+      flight.Run();
+      EXPECT_EQ(flight.mission.status.outcome, MissionOutcome::kFlown)
+          << interrupted << ": " << flight.mission.status.message;
+    }
+  }
+}
+
+TEST(ContinueMission, CommandsNothingBeforeTheVehicleIsHeardAgain) {
+  Flight flight;
+  flight.Step();
+  flight.inbox.clear();
+  const std::size_t sent = flight.sent.size();
+  flight.now_ns += 100 * kSecond_ns;
+  flight.mission = ContinueMission(std::move(flight.mission), flight.now_ns, flight.options);
+  flight.Give(Tick{});
+  EXPECT_EQ(flight.sent.size(), sent);
+  EXPECT_NE(flight.mission.status.state, MissionState::kEnded);
+  flight.Give(flight.vehicle);
+  ASSERT_EQ(flight.sent.size(), sent + 1);
+  EXPECT_EQ(flight.sent.back().sequence, flight.mission.last_sequence);
+}
+
 TEST(Advance, GivesTheSameForTheSameEvents) {
   Flight first;
   Flight second;

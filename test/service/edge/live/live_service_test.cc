@@ -6,6 +6,7 @@
 
 #include <condition_variable>
 #include <filesystem>
+#include <fstream>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -166,16 +167,24 @@ class Live : public testing::Test {
     options_.radio = Loopback(0);
     options_.local = Loopback(1);
     options_.mission.retry_delay_s = 0.1;
+    options_.mission.picture_timeout_s = 3.0;
     folder_ = fs::temp_directory_path() / ("soffit-live-test-" + std::to_string(getpid()));
     options_.data_folder = folder_.string();
+    Begin();
+  }
+  ~Live() override {
+    End();
+    fs::remove_all(folder_);
+  }
+
+  void Begin() {
     service_ = LiveService::Start(options_, FakeStages()).value();
     thread_ = std::thread([this] { service_->Run(); });
   }
-  ~Live() override {
+  void End() {  ///< Finishes what is to be written.
     service_->Stop();
     thread_.join();
     service_.reset();
-    fs::remove_all(folder_);
   }
 
   MissionReply Start(std::uint32_t vehicle_id, std::vector<std::uint8_t> reference = ReferencePicture()) {
@@ -228,9 +237,7 @@ TEST_F(Live, FliesAMissionAndKeepsEverythingOfIt) {
   EXPECT_EQ(end.pictures_received, end.pictures_used);
   EXPECT_GT(agent.beats, 0);
 
-  service_->Stop();
-  thread_.join();
-  service_.reset();  // Finishes what is to be written.
+  End();
   const fs::path folder = folder_ / ("mission-" + std::to_string(reply.mission_id));
   for (const char* file :
        {"reference.png", "survey.json", "mission.json", "track.csv", "result.json", "scene.bt"}) {
@@ -240,8 +247,62 @@ TEST_F(Live, FliesAMissionAndKeepsEverythingOfIt) {
   ASSERT_TRUE(survey.ok()) << survey.error().message;
   EXPECT_EQ(survey.value().captures.size(), end.pictures_received);
   EXPECT_EQ(survey.value().vehicle.radius_m, kEnvelope.radius_m);
-  service_ = LiveService::Start(options_, FakeStages()).value();
-  thread_ = std::thread([this] { service_->Run(); });
+  Begin();
+}
+
+TEST_F(Live, GoesOnWithAMissionWhereItWasWhenItWasStopped) {
+  const FakeAgent agent(1, 11);
+  const MissionReply reply = Start(1);
+  for (const MissionStep step : {MissionStep::kOverview, MissionStep::kWalls, MissionStep::kLookAgain}) {
+    ASSERT_EQ(Await([&](const MissionReport& r) { return r.status.step == step; }).mission_id,
+              reply.mission_id);
+    End();
+    Begin();
+  }
+  const MissionReport end = AwaitEnd(reply.mission_id);
+  EXPECT_EQ(end.status.outcome, MissionOutcome::kFlown) << end.status.message;
+  std::uint32_t revision = 0;  // Nobody sees a report, or a picture, taken back.
+  std::uint32_t pictures = 0;
+  const std::lock_guard lock(mutex_);
+  for (const MissionReport& report : reports_) {
+    EXPECT_GT(report.revision, revision);
+    EXPECT_GE(report.pictures_received, pictures);
+    revision = report.revision;
+    pictures = report.pictures_received;
+  }
+}
+
+TEST_F(Live, PublishesTheSameSceneAfterARestart) {
+  const FakeAgent agent(1, 11);
+  ASSERT_EQ(AwaitEnd(Start(1).mission_id).status.outcome, MissionOutcome::kFlown);
+  SceneQuery revisions;
+  revisions.vehicle_id = 1;
+  revisions.kind = SceneQueryKind::kRevisions;
+  const SceneReply before = scenes_.Ask(revisions, 10s).value();
+  End();
+  const auto began = std::chrono::steady_clock::now();
+  Begin();
+  const SceneReply after = scenes_.Ask(revisions, 10s).value();
+  EXPECT_LT(std::chrono::steady_clock::now() - began, 3s);
+  EXPECT_EQ(after.origin.scene_revision, before.origin.scene_revision);
+  EXPECT_EQ(after.stamp_utc_ns, before.stamp_utc_ns);
+  ASSERT_EQ(after.revisions.size(), before.revisions.size());
+  EXPECT_EQ(after.revisions[0].octree_nodes, before.revisions[0].octree_nodes);
+  SceneQuery clearance = revisions;
+  clearance.kind = SceneQueryKind::kClearance;
+  clearance.object_id = 1;
+  EXPECT_EQ(scenes_.Ask(clearance, 10s).value().decisions[0].decision.verdict, Verdict::kClear);
+}
+
+TEST_F(Live, FliesOnAndSaysSoWhenNothingCanBeKept) {
+  const FakeAgent agent(1, 11);
+  fs::remove_all(folder_);
+  std::ofstream(folder_) << "no folder any more";
+  const MissionReply reply = Start(1);
+  ASSERT_TRUE(reply.is_accepted);
+  const MissionReport end = AwaitEnd(reply.mission_id);
+  EXPECT_EQ(end.status.outcome, MissionOutcome::kFlown) << end.status.message;
+  EXPECT_THAT(end.status.problems, testing::Contains(HasSubstr("cannot be kept")));
 }
 
 TEST_F(Live, LeadsSeveralVehiclesAtOnce) {
@@ -329,6 +390,18 @@ TEST_F(Live, AnswersQuestionsAboutTheScene) {
   EXPECT_EQ(clearance.decisions[0].decision.verdict, Verdict::kClear);
   query.object_id = 9;
   EXPECT_EQ(scenes_.Ask(query, 10s).value().status, AnswerStatus::kNotFound);
+}
+
+TEST(LiveService, SaysThatTheStoreBelongsToSomethingElse) {
+  ServiceOptions options;
+  options.data_folder = fs::temp_directory_path() / ("soffit-live-test-foreign-" + std::to_string(getpid()));
+  options.store = (fs::path(options.data_folder) / "other.gpkg").string();
+  fs::create_directories(options.data_folder);
+  std::ofstream(options.store) << "a picture of a cat";
+  const auto service = LiveService::Start(options, FakeStages());
+  fs::remove_all(options.data_folder);
+  ASSERT_FALSE(service.ok());
+  EXPECT_THAT(service.error().message, HasSubstr("other.gpkg"));
 }
 
 TEST(LiveService, SaysThatTheDataFolderCannotBeMade) {

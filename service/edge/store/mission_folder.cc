@@ -1,4 +1,4 @@
-#include "service/edge/live/mission_folder.h"
+#include "service/edge/store/mission_folder.h"
 
 #include <iomanip>
 #include <sstream>
