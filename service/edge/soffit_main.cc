@@ -11,12 +11,14 @@ int main(int argc, char** argv) try {
   soffit::AddRecognizeCommand(app);
   soffit::AddCompareCommand(app);
   soffit::AddReportCommand(app);
+  soffit::AddExportCommand(app);
   soffit::AddMissionCommand(app);
   soffit::AddQueryCommand(app);
   soffit::AddSceneCommand(app);
   soffit::AddTopicsCommand(app);
   soffit::AddEchoCommand(app);
   soffit::AddDoctorCommand(app);
+  soffit::AddManualCommands(app);
   app.require_subcommand(1);
   try {
     app.parse(argc, argv);
