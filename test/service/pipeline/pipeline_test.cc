@@ -103,7 +103,7 @@ TEST(Understand, DoesNotGuessBetweenTwoBuildingsThatFitAlike) {
       Understand(Seen(Overview({{L(100, 200), kRed}, {L(400, 200), kRed}})), ReferenceOfL(), kVehicle, 1, {});
   EXPECT_THAT(all.matches, SizeIs(2));
   EXPECT_THAT(all.decisions, IsEmpty());
-  EXPECT_THAT(all.problems, ElementsAre(HasSubstr("2 places")));
+  EXPECT_THAT(all.problems, ElementsAre(HasSubstr("matches: 2")));
   for (const SceneObject& object : all.scene.objects) EXPECT_FALSE(object.is_matched);
 }
 

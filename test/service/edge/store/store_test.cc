@@ -388,10 +388,10 @@ TEST_F(KeeperTest, LeavesOutWhatCannotBeDoneThoughTheStoreCan) {
   keeper.Keep(Put(1));
   keeper.Keep([](Store&) { throw std::runtime_error("no such folder"); });
   keeper.Keep(Put(2));
-  for (int i = 0; i < 50 && !keeper.Wait(1s); ++i) std::this_thread::sleep_for(20ms);
+  for (int i = 0; i < 50 && !keeper.Wait(1s); ++i) std::this_thread::sleep_for(100ms);
   EXPECT_THAT(Kept(), ElementsAre(1, 2));
   keeper.Keep(Put(3));
-  for (int i = 0; i < 50 && !keeper.Wait(1s); ++i) std::this_thread::sleep_for(20ms);
+  for (int i = 0; i < 50 && !keeper.Wait(1s); ++i) std::this_thread::sleep_for(100ms);
   EXPECT_THAT(Troubles(), ElementsAre(HasSubstr("no such folder"), ""));
 }
 
