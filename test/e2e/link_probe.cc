@@ -38,12 +38,13 @@ class Pinger {
   }
 
   /// [until the agent answered, until the answer was here] of each in order of sending; nulls: never
-  /// answered.
+  /// answered. From the first that was answered: before, the agent may not know yet who listens.
   nlohmann::json Describe() {
     const std::lock_guard lock(mutex_);
     nlohmann::json all = nlohmann::json::array();
     for (const auto& [sequence, trip] : trips_) {
       const bool is_answered = trip.answered_utc_ns != 0;
+      if (!is_answered && all.empty()) continue;
       all.push_back(is_answered ? nlohmann::json{ToSeconds(trip.answered_utc_ns - trip.sent_utc_ns),
                                                  ToSeconds(trip.back_utc_ns - trip.sent_utc_ns)}
                                 : nlohmann::json{nullptr, nullptr});
