@@ -51,9 +51,11 @@ class ToneCurve {
 cv::Mat3b Develop(const cv::Mat3f& light, const CameraModel& camera, double nominal_gain,
                   std::uint64_t seed) {
   static const ToneCurve kTone;
-  cv::Mat3f picture = light;
-  if (camera.blur_px > 0.0) cv::GaussianBlur(light, picture, {}, camera.blur_px);
-  const auto gain = static_cast<float>(FindGain(light, nominal_gain) * std::exp2(camera.exposure_ev));
+  cv::Mat3f picture = light.clone();
+  cv::patchNaNs(picture, 0.0);  // A ray that went astray is black.
+  const double found = FindGain(picture, nominal_gain);
+  if (camera.blur_px > 0.0) cv::GaussianBlur(picture, picture, {}, camera.blur_px);
+  const auto gain = static_cast<float>(found * std::exp2(camera.exposure_ev));
   cv::Mat3f noise(picture.size(), cv::Vec3f(0, 0, 0));
   cv::RNG random(Mix(seed));
   if (camera.noise_levels > 0.0) random.fill(noise, cv::RNG::NORMAL, 0.0, camera.noise_levels);
