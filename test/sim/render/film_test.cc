@@ -9,6 +9,7 @@ namespace {
 
 TEST(Develop, TakesAPixelWithoutANumberForBlack) {
   CameraModel camera;
+  camera.intrinsics = {4, 4, 4.0, 4.0, 1.5, 1.5, {}};
   camera.blur_px = 0.0;
   camera.noise_levels = 0.0;
   cv::Mat3f light(4, 4, cv::Vec3f(0.2F, 0.2F, 0.2F));
