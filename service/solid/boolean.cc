@@ -50,22 +50,31 @@ bool IsSolid(const Surface& surface) {
          pmp::is_outward_oriented(surface);
 }
 
+/// Vertices and triangles in the order of their coordinates: corefinement's own order follows where
+/// its nodes lie in memory, and differs between two runs on the same solids.
 Mesh ToMesh(const Surface& surface) {
-  Mesh mesh;
-  std::map<Surface::Vertex_index, int> index;
+  std::vector<std::pair<std::array<double, 3>, Surface::Vertex_index>> ordered;
   for (const auto vertex : surface.vertices()) {
     const auto& p = surface.point(vertex);
+    ordered.push_back({{CGAL::to_double(p.x()), CGAL::to_double(p.y()), CGAL::to_double(p.z())}, vertex});
+  }
+  std::ranges::sort(ordered, {}, [](const auto& entry) { return entry.first; });
+
+  Mesh mesh;
+  std::map<Surface::Vertex_index, int> index;
+  for (const auto& [at, vertex] : ordered) {
     index[vertex] = static_cast<int>(mesh.vertices_in_map_m.size());
-    mesh.vertices_in_map_m.emplace_back(CGAL::to_double(p.x()), CGAL::to_double(p.y()),
-                                        CGAL::to_double(p.z()));
+    mesh.vertices_in_map_m.emplace_back(at[0], at[1], at[2]);
   }
   for (const auto face : surface.faces()) {
     std::array<int, 3> triangle{};
     std::size_t corner = 0;
     for (const auto vertex : surface.vertices_around_face(surface.halfedge(face)))
       triangle[corner++] = index[vertex];
+    std::ranges::rotate(triangle, std::ranges::min_element(triangle));
     mesh.triangles.push_back(triangle);
   }
+  std::ranges::sort(mesh.triangles);
   return mesh;
 }
 
