@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "service/facade/median.h"
+
 namespace soffit {
 namespace {
 
@@ -60,17 +62,14 @@ cv::Mat1b Border(const cv::Mat1b& mask, int reach) {
 int Brightness(const cv::Vec3b& color) { return color[0] + color[1] + color[2]; }
 
 double MedianGroundBrightness(const Sight& sight) {
-  std::vector<int> values;
+  std::vector<double> values;
   for (int y = 0; y < sight.seen.rows; ++y) {
     for (int x = 0; x < sight.seen.cols; ++x) {
       if (sight.seen(y, x) == static_cast<uchar>(Seen::kGround))
         values.push_back(Brightness(sight.bgr(y, x)));
     }
   }
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? 0.0 : Median(std::move(values));
 }
 
 /// How far the model's edges may lie beside the true ones.
