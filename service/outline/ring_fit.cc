@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 
+#include "service/outline/arc_fit.h"
 #include "shared/result/result.h"
 
 namespace soffit {
@@ -18,6 +21,11 @@ constexpr std::size_t kMaxPoints = 20000;    ///< Of longer boundaries, not ever
 constexpr std::size_t kAnchorPoints = 1000;  ///< From one fixed candidate to the next: bounds the search.
 constexpr double kTrimRatio = 0.12;          ///< Of a side at each end: the median filter rounds corners off.
 constexpr double kMinCornerSine = 0.12;
+constexpr double kSidesPerArc = 2.5;  ///< An arc has five numbers, a side two.
+constexpr std::size_t kMinSidesOfArc = 3;
+constexpr std::size_t kMaxArcPoints = 150;  ///< Of longer arcs, not every point is looked at.
+constexpr double kMaxTurnOnArc_rad = 1.3;
+constexpr double kBulgeRatio = 1.0 / 3.0;  ///< From an arc to its chords, of the tolerance.
 
 /// At most kMaxPoints of the points, evenly.
 std::vector<Vector2d> Thin(std::vector<Vector2d> points) {
@@ -206,17 +214,161 @@ Vector2d MeetSides(const Line& a, const Line& b, const Vector2d& breakpoint, dou
   return 0.5 * (foot(a) + foot(b));
 }
 
+/// A straight side, or a curved one.
 struct FitSide {
-  Line line;
+  Line line;         ///< Of an arc: the chord.
   Vector2d start;    ///< The breakpoint before it.
   std::size_t from;  ///< Points [from, to] of the closed sequence, from <= to < 2 n.
   std::size_t to;
+  std::optional<Arc> arc = {};
+  double turn_rad = 0.0;  ///< Of an arc: from its start to its end.
 };
 
 FitSide Fit(const LineFitter& fitter, const std::vector<Vector2d>& points, std::size_t from, std::size_t to) {
   const std::size_t base = from >= points.size() ? points.size() : 0;
   const auto trim = static_cast<std::size_t>(kTrimRatio * static_cast<double>(to - from));
   return {fitter.Fit(from - base + trim, to - base - trim), points[from - base], from - base, to - base};
+}
+
+double TurnBetween(const Vector2d& before, const Vector2d& after) {
+  return std::atan2(Cross(before, after), before.dot(after));
+}
+
+/// Finds the sides of a ring that are chords of a circle or an ellipse: those that turn gently to one hand,
+/// and that an arc explains no worse with fewer numbers.
+class ArcFinder {
+ public:
+  ArcFinder(const std::vector<FitSide>& sides, const LineFitter& fitter, const std::vector<Vector2d>& points,
+            double sigma)
+      : sides_(sides), fitter_(fitter), points_(points), sigma_(sigma) {}
+
+  /// The sides, with one curved side for each run of chords; from after the longest side on.
+  std::vector<FitSide> JoinChords() const {
+    const std::size_t n = sides_.size();
+    if (CountTurningAlike(0, n + 1) > n) {
+      if (const auto whole = Join(0, n)) return {whole->side};
+    }
+    const std::size_t begin = FindLongest() + 1;
+    std::vector<FitSide> joined;
+    for (std::size_t i = begin; i < begin + n;) {
+      const auto run = JoinLongest(i, begin + n - i);
+      joined.push_back(run ? run->side : SideAt(i));
+      i += run ? run->count : 1;
+    }
+    return joined;
+  }
+
+ private:
+  struct Run {
+    std::size_t count = 0;
+    FitSide side;
+    double saving = 0.0;
+  };
+
+  const FitSide& SideAt(std::size_t i) const { return sides_[i % sides_.size()]; }
+
+  std::size_t FindLongest() const {
+    const auto shorter = [](const FitSide& a, const FitSide& b) { return a.to - a.from < b.to - b.from; };
+    return static_cast<std::size_t>(std::max_element(sides_.begin(), sides_.end(), shorter) - sides_.begin());
+  }
+
+  double TurnAfter(std::size_t i) const {
+    return TurnBetween(SideAt(i).line.direction, SideAt(i + 1).line.direction);
+  }
+
+  /// How many sides from `first` on turn gently to the same hand.
+  std::size_t CountTurningAlike(std::size_t first, std::size_t most) const {
+    const double hand = TurnAfter(first);
+    std::size_t count = 1;
+    while (count < most) {
+      const double turn = TurnAfter(first + count - 1);
+      if (turn * hand <= 0.0 || std::abs(turn) > kMaxTurnOnArc_rad) break;
+      ++count;
+    }
+    return count;
+  }
+
+  /// The run of chords from side `first` on that is best taken for an arc.
+  std::optional<Run> JoinLongest(std::size_t first, std::size_t most) const {
+    constexpr int kMaxMisses = 2;
+    std::optional<Run> best;
+    const std::size_t alike = CountTurningAlike(first, most);
+    int misses = 0;
+    for (std::size_t count = kMinSidesOfArc; count <= alike && misses < kMaxMisses; ++count) {
+      const std::optional<Run> run = Join(first, count);
+      if (run && (!best || run->saving > best->saving)) best = run;
+      misses = run ? 0 : misses + 1;
+    }
+    return best;
+  }
+
+  std::optional<Run> Join(std::size_t first, std::size_t count) const {
+    double squares = 0.0;
+    double turn = 0.0;
+    std::size_t steps = 0;
+    for (std::size_t i = first; i < first + count; ++i) {
+      const FitSide& side = SideAt(i);
+      squares += fitter_.Squares(side.from, side.to);
+      steps += side.to - side.from;
+      if (i + 1 < first + count) turn += TurnAfter(i);
+    }
+    const std::size_t stride = steps / kMaxArcPoints + 1;
+    std::vector<Vector2d> points;
+    for (std::size_t i = 0; i <= steps; i += stride) {
+      points.push_back(points_[(SideAt(first).from + i) % points_.size()]);
+    }
+    const double length = static_cast<double>(steps + 1);
+    const double share = static_cast<double>(points.size()) / length;
+    const double price = kSidePrice * sigma_ * sigma_;
+    const std::optional<Arc> arc = FitArc(points, share * price);
+    if (!arc || arc->squares / share > squares) return std::nullopt;
+    Run run{count, SideAt(first), 0.0};
+    run.saving = (squares - arc->squares / share) / price + static_cast<double>(count) - kSidesPerArc;
+    if (run.saving <= 0.0) return std::nullopt;
+    run.side.to = run.side.from + steps;
+    run.side.line.squares = arc->squares / share;
+    run.side.line.count = length;
+    run.side.turn_rad = turn;
+    run.side.arc = arc;
+    return run;
+  }
+
+  const std::vector<FitSide>& sides_;
+  const LineFitter& fitter_;
+  const std::vector<Vector2d>& points_;
+  double sigma_;
+};
+
+/// The line along which a side passes the breakpoint `at` one of its ends.
+Line LineAt(const FitSide& side, const Vector2d& at) {
+  if (!side.arc) return side.line;
+  const double angle = side.arc->AngleOf(at);
+  Line tangent = side.line;
+  tangent.point = side.arc->PointAt(angle);
+  const double quarter = std::copysign(std::numbers::pi / 2.0, side.turn_rad);
+  tangent.direction = (side.arc->PointAt(angle + quarter) - side.arc->center).normalized();
+  return tangent;
+}
+
+/// Points of an arc between the corners at its ends, which may be the same: chords through them enclose its
+/// area.
+Ring SampleArc(const FitSide& side, const Vector2d& from, const Vector2d& to, double bulge) {
+  constexpr double kFullTurn = 2.0 * std::numbers::pi;
+  const double hand = std::copysign(1.0, side.turn_rad);
+  const double start = side.arc->AngleOf(from);
+  double sweep = hand * (side.arc->AngleOf(to) - start);
+  sweep += kFullTurn * std::nearbyint((std::abs(side.turn_rad) - sweep) / kFullTurn);
+  const bool is_closed = from == to;
+  if (is_closed) sweep = kFullTurn;
+  const double chord = 2.0 * std::acos(1.0 - std::min(0.5, bulge / side.arc->LongerRadius()));
+  const int count = static_cast<int>(std::ceil(sweep / chord));
+  Ring ring;
+  for (int i = is_closed ? 0 : 1; i < count; ++i) {
+    const double step = sweep / count;
+    const Vector2d on_arc = side.arc->PointAt(start + hand * step * i);
+    ring.push_back(side.arc->center + std::sqrt(step / std::sin(step)) * (on_arc - side.arc->center));
+  }
+  return ring;
 }
 
 /// Neighbours that one line explains within `tolerance` become one side.
@@ -247,7 +399,8 @@ void SharpenCorners(std::vector<FitSide>& sides, double reach) {
     const double sine = Cross(before.line.direction, after.line.direction);
     const double length = (after.start - sides[i].start).norm();
     const double shorter = std::min(before.line.count, after.line.count);
-    bool is_bevel = std::abs(sine) > 0.3 && length < 0.7 * shorter;
+    const bool is_straight = !before.arc && !sides[i].arc && !after.arc;
+    bool is_bevel = is_straight && std::abs(sine) > 0.3 && length < 0.7 * shorter;
     if (is_bevel) {
       const Vector2d corner =
           before.line.point +
@@ -268,6 +421,42 @@ double SideStd(const Line& line) {
   return std::sqrt((line.squares / line.count + 1.0 / 12.0) / std::max(1.0, line.count / kCorrelatedPoints));
 }
 
+/// The ring of sides that meet, and how they scatter.
+FittedRing DrawRing(const std::vector<FitSide>& sides, double tolerance) {
+  const double reach = 4.0 * tolerance;
+  const std::size_t n = sides.size();
+  FittedRing drawn;
+  Ring corners;
+  std::vector<double> stds;
+  double squares = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Line before = LineAt(sides[(i + n - 1) % n], sides[i].start);
+    const Line after = LineAt(sides[i], sides[i].start);
+    const double sine = std::max(0.3, std::abs(Cross(before.direction, after.direction)));
+    corners.push_back(MeetSides(before, after, sides[i].start, reach));
+    stds.push_back(std::hypot(SideStd(before), SideStd(after)) / sine);
+    squares += after.squares;
+    count += after.count;
+  }
+  drawn.roughness = std::sqrt(squares / count);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (n > 1) {  // A circle has no corner.
+      drawn.ring.push_back(corners[i]);
+      drawn.corner_std.push_back(stds[i]);
+    }
+    if (!sides[i].arc) continue;
+    const Ring curve = SampleArc(sides[i], corners[i], corners[(i + 1) % n], kBulgeRatio * tolerance);
+    drawn.ring.insert(drawn.ring.end(), curve.begin(), curve.end());
+    drawn.corner_std.resize(drawn.ring.size(), SideStd(sides[i].line));
+  }
+  return drawn;
+}
+
+bool IsSound(const Ring& ring, const Ring& boundary) {
+  return IsSimple(ring) && SignedArea(ring) * SignedArea(boundary) > 0.0;
+}
+
 }  // namespace
 
 FittedRing FitRing(const Ring& boundary, double step, double tolerance) {
@@ -275,11 +464,11 @@ FittedRing FitRing(const Ring& boundary, double step, double tolerance) {
   if (boundary.size() < 3) return {};
   std::vector<Vector2d> points = Sample(boundary, step);
   for (Vector2d& p : points) p /= step;
-  const double reach = 4.0 * tolerance / step;
-  const double sigma = tolerance / step / kTolerancePerSigma;
+  tolerance /= step;
+  const double sigma = tolerance / kTolerancePerSigma;
   const LineFitter fitter(points);
-  const std::vector<std::size_t> candidates = FindCandidates(points, 0.6 * tolerance / step);
-  const std::vector<std::size_t> breaks = ChooseBreakpoints(fitter, candidates, sigma);
+  const std::vector<std::size_t> breaks =
+      ChooseBreakpoints(fitter, FindCandidates(points, 0.6 * tolerance), sigma);
   if (breaks.size() < 3) return {};
 
   const std::size_t n = points.size();
@@ -289,30 +478,21 @@ FittedRing FitRing(const Ring& boundary, double step, double tolerance) {
     const std::size_t from = breaks[i];
     const std::size_t to = i + 1 < breaks.size() ? breaks[i + 1] : breaks[0] + n;
     sides.push_back(Fit(fitter, points, from, to));
-    unfitted.push_back(step * points[from % n]);
+    unfitted.push_back(points[from % n]);
   }
-  JoinStraightSides(sides, fitter, points, 0.4 * tolerance / step);
-  SharpenCorners(sides, 2.0 * tolerance / step);
-  FittedRing fitted;
-  double squares = 0.0;
-  double count = 0.0;
-  for (const FitSide& side : sides) {
-    squares += side.line.squares;
-    count += side.line.count;
-  }
-  fitted.roughness = step * std::sqrt(squares / count);
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const Line& before = sides[(i + sides.size() - 1) % sides.size()].line;
-    const Line& after = sides[i].line;
-    fitted.ring.push_back(step * MeetSides(before, after, sides[i].start, reach));
-    const double sine = std::max(0.3, std::abs(Cross(before.direction, after.direction)));
-    fitted.corner_std.push_back(step * std::hypot(SideStd(before), SideStd(after)) / sine);
-  }
-  if (!IsSimple(fitted.ring) || SignedArea(fitted.ring) * SignedArea(boundary) <= 0.0) {
-    if (!IsSimple(unfitted) || SignedArea(unfitted) * SignedArea(boundary) <= 0.0) return {};
+  JoinStraightSides(sides, fitter, points, 0.4 * tolerance);
+  sides = ArcFinder(sides, fitter, points, sigma).JoinChords();
+  SharpenCorners(sides, 2.0 * tolerance);
+
+  FittedRing fitted = DrawRing(sides, tolerance);
+  if (!IsSound(fitted.ring, boundary)) {
+    if (!IsSound(unfitted, boundary)) return {};
     fitted.corner_std.assign(unfitted.size(), tolerance);
     fitted.ring = std::move(unfitted);
   }
+  fitted.roughness *= step;
+  for (Vector2d& p : fitted.ring) p *= step;
+  for (double& std : fitted.corner_std) std *= step;
   return fitted;
 }
 

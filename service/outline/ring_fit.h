@@ -16,9 +16,10 @@ struct FittedRing {
 /// The polygon that explains a boundary best with few sides: breakpoints minimise the squared distances to
 /// total least squares lines plus a price for each side (dynamic programming over Douglas-Peucker candidates,
 /// as in J. Perez and E. Vidal, "Optimum polygonal approximation of digitized curves", PRL 15, 1994); corners
-/// are the intersections of neighbouring sides. `boundary` may be a staircase; `step` is the distance at
-/// which it is sampled (1 for a bitmap), `tolerance` how far the sides may pass from it. Pure; O(length +
-/// candidates^2).
+/// are the intersections of neighbouring sides. Three or more sides that a part of a circle or an ellipse
+/// explains no worse are drawn as such: as chords from which it bulges by a third of `tolerance`. `boundary`
+/// may be a staircase; `step` is the distance at which it is sampled (1 for a bitmap), `tolerance` how far
+/// the sides may pass from it. Pure; O(length + candidates^2).
 FittedRing FitRing(const Ring& boundary, double step, double tolerance);
 
 /// The corners through the middles of the pixel sides of a staircase, without those that lie nearer than

@@ -96,21 +96,91 @@ TEST(TraceOutlines, KeepsCourtyardsAndDropsSmallHoles) {
   EXPECT_NEAR(SignedArea(outlines[0].polygon_px.holes[0]), -2000.0, 1.0);
 }
 
-TEST(TraceOutlines, DrawsACircleAsManySidesWithinTolerance) {
-  cv::Mat1b label(300, 300, uchar{0});
-  const Eigen::Vector2d center(150, 150);
-  for (int row = 0; row < 300; ++row) {
-    for (int col = 0; col < 300; ++col)
-      label(row, col) = (Eigen::Vector2d(col, row) - center).norm() < 120 ? 1 : 0;
+/// The greatest distance of the ring's corners and middles of sides from an ellipse along the axes.
+double DistanceFromEllipse(const Ring& ring, const Eigen::Vector2d& center, const Eigen::Vector2d& radii) {
+  double greatest = 0.0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    for (const Eigen::Vector2d& p :
+         {ring[i], Eigen::Vector2d(0.5 * (ring[i] + ring[(i + 1) % ring.size()]))}) {
+      const Eigen::Vector2d q = (p - center).cwiseQuotient(radii);
+      const double distance = (q.norm() - 1.0) * q.norm() / q.cwiseQuotient(radii).norm();
+      greatest = std::max(greatest, std::abs(distance));
+    }
   }
+  return greatest;
+}
+
+cv::Mat1b DrawEllipse(const Eigen::Vector2d& center, const Eigen::Vector2d& radii, cv::Size size) {
+  cv::Mat1b label(size, uchar{0});
+  for (int row = 0; row < size.height; ++row) {
+    for (int col = 0; col < size.width; ++col) {
+      const Eigen::Vector2d q = (Eigen::Vector2d(col, row) - center).cwiseQuotient(radii);
+      label(row, col) = q.norm() < 1.0 ? 1 : 0;
+    }
+  }
+  return label;
+}
+
+TEST(TraceOutlines, KeepsRoundTowersRoundDownToTheSmallest) {
+  for (const double radius : {11.0, 12.0, 14.0, 17.0, 25.0, 40.0, 80.0, 200.0}) {
+    for (const double aspect : {1.0, 0.85}) {  // A circle looked at from the side is an ellipse.
+      SCOPED_TRACE(testing::Message() << "radius " << radius << ", aspect " << aspect);
+      const auto size = static_cast<int>(2.0 * radius + 30.0);
+      const Eigen::Vector2d center(0.5 * size + 0.3, 0.5 * size - 0.2);
+      const Eigen::Vector2d radii(radius, aspect * radius);
+      const auto outlines = Trace(DrawEllipse(center, radii, {size, size}));
+      ASSERT_THAT(outlines, SizeIs(1));
+      const Ring& ring = outlines[0].polygon_px.outer;
+      EXPECT_GE(ring.size(), 9u);
+      EXPECT_LT(DistanceFromEllipse(ring, center, radii), 0.6);
+      EXPECT_NEAR(SignedArea(ring), std::numbers::pi * radii.prod(), 0.01 * SignedArea(ring));
+      EXPECT_THAT(outlines[0].corner_std_px, SizeIs(ring.size()));
+      EXPECT_THAT(outlines[0].corner_std_px, Each(Le(0.3)));
+    }
+  }
+}
+
+TEST(TraceOutlines, KeepsACurveBetweenStraightSides) {
+  cv::Mat1b label = DrawEllipse({120.2, 80.4}, {50.0, 50.0}, {200, 160});
+  label.colRange(0, 120).setTo(0);
+  label(cv::Rect(30, 31, 91, 100)).setTo(1);  // Half round at one end, square at the other.
   const auto outlines = Trace(label);
   ASSERT_THAT(outlines, SizeIs(1));
   const Ring& ring = outlines[0].polygon_px.outer;
-  EXPECT_GT(ring.size(), 10u);
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    EXPECT_NEAR((ring[i] - center).norm(), 120.0, 2.5);
-    EXPECT_NEAR((0.5 * (ring[i] + ring[(i + 1) % ring.size()]) - center).norm(), 120.0, 2.5);
+  EXPECT_LT(DistanceToNearest({29.5, 30.5}, ring), 0.3);
+  EXPECT_LT(DistanceToNearest({29.5, 130.5}, ring), 0.3);
+  Ring round;
+  std::copy_if(ring.begin(), ring.end(), std::back_inserter(round),
+               [](const auto& p) { return p.x() > 122.0; });
+  EXPECT_GE(round.size(), 8u);
+  for (const Eigen::Vector2d& p : round) EXPECT_NEAR((p - Eigen::Vector2d(120.2, 80.4)).norm(), 50.0, 0.7);
+}
+
+TEST(TraceOutlines, KeepsTheCornersOfAnOctagon) {
+  for (const double radius : {20.0, 30.0, 60.0}) {
+    SCOPED_TRACE(radius);
+    Ring octagon;
+    for (int i = 0; i < 8; ++i) {
+      const double angle = std::numbers::pi * (0.07 + 0.25 * i);
+      octagon.emplace_back(80.1 + radius * std::cos(angle), 80.4 + radius * std::sin(angle));
+    }
+    const auto outlines = Trace(Draw({octagon, {}}, {160, 160}));
+    ASSERT_THAT(outlines, SizeIs(1));
+    ASSERT_THAT(outlines[0].polygon_px.outer, SizeIs(8));
+    for (const auto& p : octagon) EXPECT_LT(DistanceToNearest(p, outlines[0].polygon_px.outer), 0.6);
   }
+}
+
+TEST(TraceOutlines, KeepsARoundCourtyardRound) {
+  cv::Mat1b label(200, 200, uchar{0});
+  label(cv::Rect(20, 20, 160, 150)) = 1;
+  label.setTo(0, DrawEllipse({101.3, 94.7}, {35.0, 35.0}, label.size()));
+  const auto outlines = Trace(label);
+  ASSERT_THAT(outlines, SizeIs(1));
+  ASSERT_THAT(outlines[0].polygon_px.holes, SizeIs(1));
+  const Ring& hole = outlines[0].polygon_px.holes[0];
+  EXPECT_LT(SignedArea(hole), 0.0);
+  EXPECT_LT(DistanceFromEllipse(hole, {101.3, 94.7}, {35.0, 35.0}), 0.6);
 }
 
 TEST(TraceOutlines, MarksBlobsAtTheEdgeOfWhatWasSeenAsCut) {
