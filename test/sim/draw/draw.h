@@ -14,4 +14,10 @@ namespace soffit::sim {
 /// noisy) are drawn again. Takes about a second.
 World DrawWorld(std::uint64_t seed);
 
+/// A random world in which it is easy to be wrong: what hinders is thin, of the colour of what is behind it,
+/// or lacks by a few centimetres; what leads nowhere looks as if it did; or the light is bad. Kinds take
+/// turns from seed to seed; the title is the kind, up to the first comma. Else as DrawWorld gives them, but
+/// for worlds that are within 1.5 cm of the limit.
+World DrawNastyWorld(std::uint64_t seed);
+
 }  // namespace soffit::sim

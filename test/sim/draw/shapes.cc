@@ -93,6 +93,20 @@ std::vector<Part> TableParts(const Vector2d& size_m, double leg_m, double free_m
   return parts;
 }
 
+std::vector<Part> SlantedParts(const Vector2d& size_m, double slant_rad, const Opening& opening,
+                               double height_m) {
+  const Vector2d half = size_m / 2;
+  const double lean_m = half.y() * std::tan(slant_rad);
+  const double middle_m = (opening.left_m + opening.right_m) / 2;
+  const double reach_m = (opening.right_m - opening.left_m) / 2 / std::cos(slant_rad);
+  const double left_m = middle_m - reach_m, right_m = middle_m + reach_m;
+  const Ring left = {-half, {left_m - lean_m, -half.y()}, {left_m + lean_m, half.y()}, {-half.x(), half.y()}};
+  const Ring right = {
+      {right_m - lean_m, -half.y()}, {half.x(), -half.y()}, half, {right_m + lean_m, half.y()}};
+  return {UprightPart(left, 0.0, opening.high_m), UprightPart(right, 0.0, opening.high_m),
+          BoxPart(Vector2d::Zero(), size_m, opening.high_m, height_m)};
+}
+
 std::vector<Part> EllWithPassage(const Ring& ell, double foot_m, double stem_m, const Opening& opening,
                                  double height_m) {
   const Vector2d low = ell[0], high(ell[1].x(), ell[4].y());

@@ -32,6 +32,11 @@ Polygon WallWithOpening(double length_m, double height_m, const Opening& opening
 
 std::vector<Part> TableParts(const Eigen::Vector2d& size_m, double leg_m, double free_m, double height_m);
 
+/// A box with a passage below `opening.high_m` that leads through it turned by `slant_rad` from y towards x,
+/// as wide across itself as the opening and in the middle where that is.
+std::vector<Part> SlantedParts(const Eigen::Vector2d& size_m, double slant_rad, const Opening& opening,
+                               double height_m);
+
 /// An L of which the foot has a passage from `left_m` to `right_m` below `free_m`.
 std::vector<Part> EllWithPassage(const Ring& ell, double foot_m, double stem_m, const Opening& opening,
                                  double height_m);

@@ -204,17 +204,11 @@ std::optional<cv::Rect> FindLargest(const cv::Mat1b& taken, const VehicleEnvelop
 
 /// The vehicle with its margins moves along the line and touches nothing.
 bool Sweeps(const Site& site, const Passage& passage) {
-  constexpr double kStep_m = 0.02, kRounding_m = 1e-4;
+  constexpr double kRounding_m = 1e-4;
   const VehicleEnvelope& vehicle = site.vehicle;
-  Cylinder cylinder{passage.entry_m, vehicle.radius_m + vehicle.safety_margin_m - kRounding_m,
-                    vehicle.NeededHeight_m() - 2.0 * kRounding_m};
-  const Vector3d way = passage.exit_m - passage.entry_m;
-  const int steps = static_cast<int>(std::ceil(way.norm() / kStep_m));
-  for (int i = 0; i <= steps; ++i) {
-    cylinder.center_m = passage.entry_m + way * i / steps;
-    if (!(site.space->DistanceTo(cylinder, 0.1).distance_m > 0.0)) return false;
-  }
-  return true;
+  const Cylinder cylinder{passage.entry_m, vehicle.radius_m + vehicle.safety_margin_m - kRounding_m,
+                          vehicle.NeededHeight_m() - 2.0 * kRounding_m};
+  return site.space->IsFreeAlong(cylinder, passage.exit_m);
 }
 
 Passage Describe(const Site& site, const Section& section, const Gap& gap) {

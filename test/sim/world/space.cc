@@ -140,4 +140,18 @@ Space::Nearest Space::DistanceTo(const Cylinder& cylinder, double limit_m) const
   return nearest;
 }
 
+bool Space::IsFreeAlong(Cylinder cylinder, const Eigen::Vector3d& end_m) const {
+  constexpr double kLeastStep_m = 0.02, kMostStep_m = 0.5;
+  const Eigen::Vector3d start_m = cylinder.center_m;
+  if (!(std::min(start_m.z(), end_m.z()) > 0.5 * cylinder.height_m)) return false;
+  const double length_m = (end_m - start_m).norm();
+  for (double at_m = 0.0;; at_m = std::min(at_m, length_m)) {
+    if (length_m > 0.0) cylinder.center_m = start_m + at_m / length_m * (end_m - start_m);
+    const double free_m = DistanceToBodies(cylinder, kMostStep_m).distance_m;
+    if (!(free_m > 0.0)) return false;
+    if (at_m >= length_m) return true;
+    at_m += std::max(free_m, kLeastStep_m);
+  }
+}
+
 }  // namespace soffit::sim

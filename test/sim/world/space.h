@@ -56,6 +56,10 @@ class Space {
   /// The same without the ground.
   Nearest DistanceToBodies(const Cylinder& cylinder, double limit_m = 5.0) const;
 
+  /// Whether the cylinder moves in a straight line to `end_m` (its centre) without touching anything, ground
+  /// included. What it would touch for less than 2 cm of the way may be missed.
+  bool IsFreeAlong(Cylinder cylinder, const Eigen::Vector3d& end_m) const;
+
  private:
   struct Index;
   std::unique_ptr<Index> index_;

@@ -151,5 +151,23 @@ TEST(Space, AnswersFastEnoughForEveryStepOfThePhysics) {
   EXPECT_LT(query_us, 2000.0);  // Measured 20 us; a wide margin for sanitizers.
 }
 
+TEST(Space, TellsWhetherACylinderIsFreeAlongItsWay) {
+  World world;
+  Structure post;
+  Prism prism;
+  prism.section.outer = {{2.0, 0.5}, {2.02, 0.5}, {2.02, 0.52}, {2.0, 0.52}};
+  prism.high_m = 3.0;
+  post.parts = {{prism, {}}};
+  world.obstacles = {post};
+  const Space space(world);
+  const Eigen::Vector3d end(4, 0, 1);
+  EXPECT_TRUE(space.IsFreeAlong({{0, 0, 1}, 0.49, 0.5}, end));
+  EXPECT_FALSE(space.IsFreeAlong({{0, 0, 1}, 0.51, 0.5}, end));
+  EXPECT_TRUE(space.IsFreeAlong({{0, 0, 1}, 0.51, 0.5}, {1.0, 0, 1}));
+  EXPECT_FALSE(space.IsFreeAlong({{0, 0, 1}, 0.1, 2.01}, end));  // Into the ground.
+  EXPECT_FALSE(space.IsFreeAlong({{0, 0, 1}, 0.1, 1.0}, {4, 0, 0.4}));
+  EXPECT_FALSE(space.IsFreeAlong({{2.01, 0.45, 1}, 0.1, 1.0}, {2.01, 0.45, 1}));
+}
+
 }  // namespace
 }  // namespace soffit::sim
