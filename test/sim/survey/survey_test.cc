@@ -77,6 +77,24 @@ TEST_F(SurveyTest, HasPicturesPosesAndTruth) {
   EXPECT_NEAR(truth["objects"][0]["passages"][0]["length_m"].get<double>(), 1.5, 0.01);
 }
 
+TEST_F(SurveyTest, TellsTheVolumeOfAMeshOnlyWhenItEnclosesOne) {
+  for (const auto& [more, is_closed] :
+       {std::pair("}", true), std::pair(", without: [RoofSurface]}", false)}) {
+    const Result<World> house = ParseWorld(
+        "camera: {width_px: 64, height_px: 48, fx_px: 40}\nvehicle: {radius_m: 0.3, height_m: 0.3, "
+        "safety_margin_m: "
+        "0.2}\nmission: {wanted: [a]}\nbuildings: [{id: a, parts: [{mesh: {file: " SOFFIT_SIM_TESTDATA
+        "/gatehouse.gml" +
+            std::string(more) + "}]}]",
+        "test.yaml", ".");
+    ASSERT_TRUE(house.ok()) << house.error().message;
+    ASSERT_TRUE(WriteSurvey(house.value(), 3, folder_).ok());
+    const nlohmann::json told = ReadJson(folder_ / "truth.json")["objects"][0]["volume_m3"];
+    EXPECT_EQ(told.is_number(), is_closed);
+    EXPECT_NEAR(told.is_number() ? told.get<double>() : 306.0, 306.0, 1e-4);
+  }
+}
+
 TEST_F(SurveyTest, IsTheSameForTheSameSeed) {
   ASSERT_TRUE(WriteSurvey(ArchWorld(), 3, folder_ / "a").ok());
   ASSERT_TRUE(WriteSurvey(ArchWorld(), 3, folder_ / "b", 2).ok());

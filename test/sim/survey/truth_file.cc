@@ -71,13 +71,20 @@ json DescribeSolids(const Structure& structure) {
   return solids;
 }
 
-double Volume_m3(const Structure& structure) {
+/// Volume that the building's surfaces enclose, null when those that look up do not lie over those that look
+/// down. Upright ones count for nothing, so the surfaces need not be closed there (windows, passages).
+json Volume_m3(const Structure& structure) {
+  constexpr double kOpenRatio = 1e-3;
   const Mesh mesh = BuildMesh(structure);
-  double sum = 0.0;
+  double volume_m3 = 0.0, open_m2 = 0.0, all_m2 = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
-    sum += mesh.vertices_m[a].dot(mesh.vertices_m[b].cross(mesh.vertices_m[c])) / 6.0;
+    const Vector3d &p = mesh.vertices_m[a], &q = mesh.vertices_m[b], &r = mesh.vertices_m[c];
+    const double level_m2 = 0.5 * (q - p).cross(r - p).z();
+    volume_m3 += level_m2 * (p.z() + q.z() + r.z()) / 3.0;
+    open_m2 += level_m2;
+    all_m2 += std::abs(level_m2);
   }
-  return sum;
+  return std::abs(open_m2) > kOpenRatio * all_m2 ? json() : json(volume_m3);
 }
 
 /// Rotations that take the outline to itself.

@@ -92,6 +92,27 @@ TEST(FindTruth, DoesNotTakeFlyingOverOrBesideForFlyingUnder) {
   EXPECT_THAT(truth.objects[0].passages, SizeIs(0));
 }
 
+std::string House(const std::string& more) {
+  return "buildings: [{id: a, yaw_deg: 20, parts: [{mesh: {file: " SOFFIT_SIM_TESTDATA "/gatehouse.gml" +
+         more + "}}]}]";
+}
+
+TEST(FindTruth, SeesThatAMeshHasNoPassageUntilItsGateIsGone) {
+  EXPECT_EQ(TruthOf(House("")).expected, Outcome::kNotFlown);
+  const std::string hole =
+      ", cut: [{profile: [[-1, 0], [1, 0], [1, 2.5], [-1, 2.5]], axis: [0, 1], depth: [-4, 4]}]";
+  for (const auto& [more, width_m, height_m] :
+       {std::tuple(std::string(", without: [gate]"), 3.0, 3.0), std::tuple(hole, 2.0, 2.5)}) {
+    const Truth truth = TruthOf(House(more));
+    EXPECT_EQ(truth.expected, Outcome::kFlown);
+    EXPECT_NEAR(truth.objects.at(0).height_m, 7.0, 1e-6);
+    EXPECT_THAT(truth.objects[0].footprint_in_map_m.at(0).outer, SizeIs(4));
+    EXPECT_NEAR(Area(truth.objects[0].footprint_in_map_m[0]), 60.0, 1e-3);
+    EXPECT_NEAR(truth.objects[0].passages.at(0).free_width_m, width_m, 1e-5);
+    EXPECT_NEAR(truth.objects[0].passages[0].free_height_m, height_m, 1e-5);
+  }
+}
+
 TEST(FindTruth, ExpectsNoMatchWhenTheWantedBuildingIsAbsent) {
   const Truth truth = TruthOf(
       "buildings: [{id: a, absent: true, parts: [{box: {center: [0, 0], size: [4, 2]}, z: [0, 2]}]}]");

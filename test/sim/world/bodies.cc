@@ -4,18 +4,11 @@
 
 #include "test/sim/world/geos.h"
 #include "test/sim/world/noise.h"
+#include "test/sim/world/prism.h"
 #include "test/sim/world/space.h"
 
 namespace soffit::sim {
 namespace {
-
-/// Where a point of a prism's section lies in the structure's frame.
-Eigen::Vector3d Place(const Prism& prism, const Eigen::Vector2d& in_section, double along_m) {
-  if (!prism.is_lying) return {in_section.x(), in_section.y(), along_m};
-  const Eigen::Vector2d right(prism.axis.y(), -prism.axis.x());
-  const Eigen::Vector2d xy = prism.at + in_section.x() * right + along_m * prism.axis;
-  return {xy.x(), xy.y(), in_section.y()};
-}
 
 void AddTriangle(Mesh& mesh, bool flip, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                  const Eigen::Vector3d& c) {

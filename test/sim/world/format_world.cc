@@ -74,6 +74,27 @@ void PutPrism(YAML::Emitter& out, const Prism& prism) {
   Put(out, prism.is_lying ? "depth" : "z", Eigen::Vector2d(prism.low_m, prism.high_m));
 }
 
+void PutMesh(YAML::Emitter& out, const MeshFile& mesh) {
+  Begin(out, "mesh");
+  Put(out, "file", mesh.file);
+  if (mesh.origin) {
+    out << YAML::Key << "origin" << YAML::Value << YAML::Flow << YAML::BeginSeq << mesh.origin->x()
+        << mesh.origin->y() << mesh.origin->z() << YAML::EndSeq;
+  }
+  if (!mesh.only.empty()) out << YAML::Key << "only" << YAML::Value << YAML::Flow << mesh.only;
+  if (!mesh.without.empty()) out << YAML::Key << "without" << YAML::Value << YAML::Flow << mesh.without;
+  if (!mesh.cuts.empty()) {
+    out << YAML::Key << "cut" << YAML::Value << YAML::BeginSeq;
+    for (const Prism& cut : mesh.cuts) {
+      out << YAML::BeginMap;
+      PutPrism(out, cut);
+      out << YAML::EndMap;
+    }
+    out << YAML::EndSeq;
+  }
+  out << YAML::EndMap;
+}
+
 void PutStructures(YAML::Emitter& out, const char* key, const std::vector<Structure>& structures) {
   if (structures.empty()) return;
   out << YAML::Key << key << YAML::Value << YAML::BeginSeq;
@@ -88,7 +109,7 @@ void PutStructures(YAML::Emitter& out, const char* key, const std::vector<Struct
     for (const Part& part : structure.parts) {
       out << YAML::BeginMap;
       if (const auto* prism = std::get_if<Prism>(&part.shape)) PutPrism(out, *prism);
-      if (const auto* mesh = std::get_if<MeshFile>(&part.shape)) Put(out, "mesh", mesh->file);
+      if (const auto* mesh = std::get_if<MeshFile>(&part.shape)) PutMesh(out, *mesh);
       if (part.finish) PutFinish(out, *part.finish);
       out << YAML::EndMap;
     }

@@ -84,6 +84,22 @@ Ring Oriented(Ring ring, bool counter_clockwise) {
   return ring;
 }
 
+/// Adds the polygons of any geometry; lines and points in it are left out.
+void AddPolygons(const Geos& geos, const GEOSGeometry* geometry, std::vector<Polygon>& polygons) {
+  const int type = GEOSGeomTypeId_r(geos.get(), geometry);
+  if (type == GEOS_POLYGON && GEOSisEmpty_r(geos.get(), geometry) == 0) {
+    Polygon polygon{Oriented(geos.ReadRing(GEOSGetExteriorRing_r(geos.get(), geometry)), true), {}};
+    for (int h = 0; h < GEOSGetNumInteriorRings_r(geos.get(), geometry); ++h) {
+      polygon.holes.push_back(
+          Oriented(geos.ReadRing(GEOSGetInteriorRingN_r(geos.get(), geometry, h)), false));
+    }
+    polygons.push_back(polygon);
+  } else if (type == GEOS_MULTIPOLYGON || type == GEOS_GEOMETRYCOLLECTION) {
+    for (int i = 0; i < GEOSGetNumGeometries_r(geos.get(), geometry); ++i)
+      AddPolygons(geos, GEOSGetGeometryN_r(geos.get(), geometry, i), polygons);
+  }
+}
+
 }  // namespace
 
 std::vector<std::array<Eigen::Vector2d, 3>> Triangulate(const Polygon& polygon) {
@@ -101,6 +117,16 @@ std::vector<std::array<Eigen::Vector2d, 3>> Triangulate(const Polygon& polygon) 
   return triangles;
 }
 
+std::vector<Polygon> MakeValid(const Polygon& polygon) {
+  const Geos geos;
+  const auto shape = geos.MakePolygon(polygon);
+  if (GEOSisValid_r(geos.get(), shape.get()) == 1) return {polygon};
+  const auto valid = geos.Own(GEOSMakeValid_r(geos.get(), shape.get()), "making valid");
+  std::vector<Polygon> polygons;
+  AddPolygons(geos, valid.get(), polygons);
+  return polygons;
+}
+
 std::vector<Polygon> Union(const std::vector<std::array<Eigen::Vector2d, 3>>& triangles) {
   const Geos geos;
   std::vector<GEOSGeometry*> tiles;
@@ -113,17 +139,13 @@ std::vector<Polygon> Union(const std::vector<std::array<Eigen::Vector2d, 3>>& tr
                             "collecting");
   const auto merged = geos.Own(GEOSUnaryUnionPrec_r(geos.get(), all.get(), kGrid_m), "union");
   std::vector<Polygon> polygons;
-  for (int i = 0; i < GEOSGetNumGeometries_r(geos.get(), merged.get()); ++i) {
-    const GEOSGeometry* part = GEOSGetGeometryN_r(geos.get(), merged.get(), i);
-    if (GEOSGeomTypeId_r(geos.get(), part) != GEOS_POLYGON) continue;
-    Polygon polygon{Oriented(WithoutCollinear(geos.ReadRing(GEOSGetExteriorRing_r(geos.get(), part))), true),
-                    {}};
-    for (int h = 0; h < GEOSGetNumInteriorRings_r(geos.get(), part); ++h) {
-      const Ring hole = WithoutCollinear(geos.ReadRing(GEOSGetInteriorRingN_r(geos.get(), part, h)));
-      if (hole.size() >= 3) polygon.holes.push_back(Oriented(hole, false));
-    }
-    if (polygon.outer.size() >= 3) polygons.push_back(polygon);
+  AddPolygons(geos, merged.get(), polygons);
+  for (Polygon& polygon : polygons) {
+    polygon.outer = WithoutCollinear(polygon.outer);
+    for (Ring& hole : polygon.holes) hole = WithoutCollinear(hole);
+    std::erase_if(polygon.holes, [](const Ring& hole) { return hole.size() < 3; });
   }
+  std::erase_if(polygons, [](const Polygon& polygon) { return polygon.outer.size() < 3; });
   std::stable_sort(polygons.begin(), polygons.end(),
                    [](const Polygon& a, const Polygon& b) { return Area(a) > Area(b); });
   return polygons;

@@ -5,7 +5,7 @@
 #include <set>
 #include <sstream>
 
-#include "test/sim/world/obj.h"
+#include "test/sim/world/mesh_file.h"
 #include "test/sim/world/world.h"
 #include "test/sim/world/yaml_reader.h"
 
@@ -100,13 +100,9 @@ Prism ReadLyingPrism(const YamlReader& in) {
   return prism;
 }
 
-std::variant<Prism, MeshFile> ReadShape(const YamlReader& in, const std::filesystem::path& folder) {
+/// A prism of any of its forms, or nothing when `in` has none of their keys.
+std::optional<Prism> ReadPrism(const YamlReader& in) {
   if (in.Has("profile")) return ReadLyingPrism(in);
-  if (in.Has("mesh")) {
-    const Result<Mesh> mesh = ReadObj(folder / in.At("mesh").Text());
-    if (!mesh.ok()) in.At("mesh").Refuse(mesh.error().message);
-    return MeshFile{in.At("mesh").Text(), mesh.value()};
-  }
   Prism prism;
   if (in.Has("polygon")) {
     prism.section = ReadPolygon(in, "polygon");
@@ -119,10 +115,48 @@ std::variant<Prism, MeshFile> ReadShape(const YamlReader& in, const std::filesys
     in.At("box").AllowKeys({"center", "size"});
     prism.section.outer = RingOfBox(in.At("box"));
   } else {
-    in.Refuse("needs one of polygon, profile, cylinder, box, mesh");
+    return std::nullopt;
   }
   ReadSpan(in.At("z"), prism);
   return prism;
+}
+
+std::vector<std::string> ReadNames(const YamlReader& in, const char* key) {
+  std::vector<std::string> names;
+  for (const YamlReader& name : in.Items(key)) names.push_back(name.Text());
+  return names;
+}
+
+/// `file.obj`, or a mapping that says more about it.
+MeshFile ReadMeshFile(const YamlReader& in, const std::filesystem::path& folder) {
+  constexpr double kFarFromOrigin_m = 1e8;  // Projected coordinates of any kind.
+  MeshFile mesh;
+  if (in.IsMap()) {
+    in.AllowKeys({"file", "origin", "only", "without", "cut"});
+    mesh.file = in.At("file").Text();
+    if (in.Has("origin")) mesh.origin = in.At("origin").Vector3({-kFarFromOrigin_m, kFarFromOrigin_m});
+    mesh.only = ReadNames(in, "only");
+    mesh.without = ReadNames(in, "without");
+    for (const YamlReader& cut : in.Items("cut")) {
+      cut.AllowKeys({"polygon", "holes", "z", "profile", "axis", "at", "depth", "cylinder", "box"});
+      const std::optional<Prism> prism = ReadPrism(cut);
+      if (!prism) cut.Refuse("needs one of polygon, profile, cylinder, box");
+      mesh.cuts.push_back(*prism);
+    }
+  } else {
+    mesh.file = in.Text();
+  }
+  const Result<Mesh> read = ReadMesh(mesh, folder);
+  if (!read.ok()) in.Refuse(read.error().message);
+  mesh.mesh = read.value();
+  return mesh;
+}
+
+std::variant<Prism, MeshFile> ReadShape(const YamlReader& in, const std::filesystem::path& folder) {
+  if (in.Has("mesh")) return ReadMeshFile(in.At("mesh"), folder);
+  const std::optional<Prism> prism = ReadPrism(in);
+  if (!prism) in.Refuse("needs one of polygon, profile, cylinder, box, mesh");
+  return *prism;
 }
 
 Part ReadPart(const YamlReader& in, const Finish& finish, const std::filesystem::path& folder) {

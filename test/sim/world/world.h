@@ -40,9 +40,16 @@ struct Mesh {
   std::vector<std::array<int, 3>> triangles;  ///< Counter-clockwise seen from outside.
 };
 
+/// Triangles from a file, and which of them.
 struct MeshFile {
-  std::string file;  ///< As written in the world file: OBJ, relative to it.
-  Mesh mesh;
+  std::string file;  ///< As written in the world file, relative to it: OBJ, or CityGML 2 or 3.
+  std::optional<Eigen::Vector3d>
+      origin;                        ///< Of the structure's frame, in the file's coordinates. None: that of
+                                     ///< the file (OBJ); the middle of all, where it is lowest (CityGML).
+  std::vector<std::string> only;     ///< Kinds and ids of surfaces (CityGML); empty: all.
+  std::vector<std::string> without;  ///< The same. ClosureSurface, where nothing is, is always left out.
+  std::vector<Prism> cuts;           ///< What lies in one of them is taken away.
+  Mesh mesh;                         ///< What is left, in the structure's frame.
 };
 
 struct Part {

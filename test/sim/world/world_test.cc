@@ -51,6 +51,10 @@ TEST(ParseWorld, RefusesWhatCannotBe) {
               HasSubstr("buildings[0].parts[0].z: the first number must be smaller"));
   EXPECT_THAT(Problem(head + "buildings: [{id: a, color: mauve, parts: []}]"),
               HasSubstr("unknown colour 'mauve'"));
+  EXPECT_THAT(Problem(head + "buildings: [{id: a, parts: [{mesh: {file: a.gml, origin: [1, 2]}}]}]"),
+              HasSubstr("origin"));
+  EXPECT_THAT(Problem(head + "buildings: [{id: a, parts: [{mesh: {file: a.gml, cut: [{mesh: b.obj}]}}]}]"),
+              HasSubstr("unknown key 'mesh'"));
   EXPECT_THAT(Problem(head + "buildings: [{id: a, parts: [{mesh: nowhere.obj}]}]"),
               HasSubstr("nowhere.obj: cannot be read"));
   EXPECT_THAT(Problem(head + kBox + "obstacles: [{id: a, parts: [{cylinder: {radius: 1}, z: [0, 1]}]}]"),
@@ -76,6 +80,23 @@ TEST(FormatWorld, RoundTripsEveryScenario) {
     EXPECT_EQ(FormatWorld(again.value()), text);
   }
   EXPECT_GE(count, 1);
+}
+
+TEST(FormatWorld, KeepsWhatWasAskedOfAMesh) {
+  const std::string text =
+      FormatWorld(Parse(std::string(kHead) + "buildings: [{id: a, parts: [{mesh: {file: " SOFFIT_SIM_TESTDATA
+                                             "/gatehouse.gml, origin: [690005.125, 5335003.5, 512.125], "
+                                             "only: [WallSurface], without: [gate], cut: "
+                                             "[{box: {center: [0, 0], size: [1, 9]}, z: [1, 2]}]}}]}]")
+                      .value());
+  const Result<World> again = Parse(text);
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  EXPECT_EQ(FormatWorld(again.value()), text);
+  const auto& mesh = std::get<MeshFile>(again.value().buildings[0].parts[0].shape);
+  EXPECT_EQ(mesh.origin, Eigen::Vector3d(690005.125, 5335003.5, 512.125));
+  EXPECT_THAT(mesh.only, testing::ElementsAre("WallSurface"));
+  EXPECT_THAT(mesh.without, testing::ElementsAre("gate"));
+  EXPECT_THAT(mesh.cuts, SizeIs(1));
 }
 
 }  // namespace
