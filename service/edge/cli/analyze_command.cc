@@ -27,7 +27,9 @@ void RunAnalyze(const AnalyzeArguments& arguments) {
   const Understanding& all = read.value().analysis.understanding;
   for (const std::string& problem : all.problems) std::cerr << "soffit analyze: " << problem << '\n';
   for (const ClearanceDecision& decision : all.decisions) std::cout << Describe(decision) << '\n';
-  const Status written = WriteOutputs(arguments.out, read.value().analysis, {});
+  FlightRecord flight;
+  flight.map_origin_m = read.value().survey.map_origin_m;
+  const Status written = WriteOutputs(arguments.out, read.value().analysis, flight);
   if (!written.ok()) Fail(written.error());
 }
 

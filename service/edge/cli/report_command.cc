@@ -65,6 +65,8 @@ void RunReport(const ReportArguments& arguments) {
   FlightRecord flight = ReadFlight(arguments);
   const auto [survey, analysis] = AnalyzeWhatIsThere(arguments);
   flight.origin = survey.origin;
+  flight.map_origin_m = survey.map_origin_m;
+  for (Eigen::Vector3d& point : flight.track_in_map_m) point -= survey.map_origin_m;
   const fs::path out = arguments.out.empty() ? arguments.folder : arguments.out;
   CopyInputs(arguments.folder, out, survey);
   Take(WriteOutputs(out, analysis, flight));

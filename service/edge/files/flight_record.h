@@ -13,10 +13,12 @@ namespace soffit {
 
 /// What is known of a flight besides its pictures; all of it may be missing.
 struct FlightRecord {
-  std::vector<Eigen::Vector3d> track_in_map_m;  ///< As flown.
-  std::optional<GeodeticOrigin> origin;         ///< Of the map.
-  nlohmann::json mission;                       ///< Outcome and steps, as the service tells them; null: none.
-  nlohmann::json truth;                         ///< As the simulator tells it; null: none.
+  std::vector<Eigen::Vector3d> track_in_map_m;             ///< As flown.
+  std::optional<GeodeticOrigin> origin;                    ///< Of the map.
+  Eigen::Vector3d map_origin_m = Eigen::Vector3d::Zero();  ///< Where the map's origin lies in the coordinates
+                                                           ///< that files are written in.
+  nlohmann::json mission;  ///< Outcome and steps, as the service tells them; null: none.
+  nlohmann::json truth;    ///< As the simulator tells it; null: none.
 };
 
 /// A JSON object from a file.

@@ -184,6 +184,8 @@ Result<MapManifest> ReadManifest(const fs::path& file) {
     manifest.format = format == "bt" ? MapFormat::kBinary : MapFormat::kFull;
     json.at("sha256").get_to(manifest.sha256);
     json.at("frame").get_to(manifest.frame);
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      json.at("origin").at(static_cast<std::size_t>(axis)).get_to(manifest.origin_m[axis]);
     json.at("scene_revision").get_to(manifest.scene_revision);
     json.at("resolution_m").get_to(manifest.resolution_m);
     json.at("nodes").get_to(manifest.nodes);
@@ -221,7 +223,8 @@ Result<MapFile> Decode(std::span<const std::uint8_t> bytes) {
   auto octree = std::make_shared<octomap::OcTree>(resolution_m);
   std::istringstream stream{std::string(data)};
   if (*nodes > 0) format == MapFormat::kBinary ? octree->readBinaryData(stream) : octree->readData(stream);
-  return MapFile{octree, {format, "", kFrame, 0, resolution_m, *nodes, bytes.size()}};
+  return MapFile{octree,
+                 {format, "", kFrame, Eigen::Vector3d::Zero(), 0, resolution_m, *nodes, bytes.size()}};
 }
 
 }  // namespace
@@ -245,13 +248,17 @@ Result<std::shared_ptr<const octomap::OcTree>> DecodeMap(std::span<const std::ui
 }
 
 Status WriteMap(const fs::path& file, const octomap::OcTree& octree, std::uint64_t scene_revision,
-                MapFormat format) {
+                MapFormat format, const Eigen::Vector3d& origin_m) {
   const std::string bytes = EncodeMap(octree, format);
-  const nlohmann::ordered_json manifest = {
-      {"manifest", kManifestFormat},      {"format", ToString(format)},
-      {"sha256", Sha256(bytes)},          {"frame", kFrame},
-      {"scene_revision", scene_revision}, {"resolution_m", octree.getResolution()},
-      {"nodes", octree.size()},           {"bytes", bytes.size()}};
+  const nlohmann::ordered_json manifest = {{"manifest", kManifestFormat},
+                                           {"format", ToString(format)},
+                                           {"sha256", Sha256(bytes)},
+                                           {"frame", kFrame},
+                                           {"origin", {origin_m.x(), origin_m.y(), origin_m.z()}},
+                                           {"scene_revision", scene_revision},
+                                           {"resolution_m", octree.getResolution()},
+                                           {"nodes", octree.size()},
+                                           {"bytes", bytes.size()}};
   if (Status status = WriteFile(file, bytes); !status.ok()) return status;
   return WriteFile(ManifestOf(file), manifest.dump(1) + "\n");
 }

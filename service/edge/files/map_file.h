@@ -2,6 +2,7 @@
 
 #include <octomap/OcTree.h>
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -18,8 +19,9 @@ enum class MapFormat { kBinary, kFull };
 /// What a map file says of itself, in `FILE.json` beside it.
 struct MapManifest {
   MapFormat format = MapFormat::kBinary;
-  std::string sha256;  ///< Of the whole file, hexadecimal.
-  std::string frame;   ///< "map": ENU metres about the home point.
+  std::string sha256;                                  ///< Of the whole file, hexadecimal.
+  std::string frame;                                   ///< "map": ENU metres about the home point.
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< Of the octree's coordinates, in the frame's.
   std::uint64_t scene_revision = 0;
   double resolution_m = 0.0;
   std::uint64_t nodes = 0;
@@ -37,7 +39,8 @@ inline constexpr std::uint64_t kMaxMapNodes = 200'000'000;
 
 /// Writes the map and then its manifest, each as a whole.
 Status WriteMap(const std::filesystem::path& file, const octomap::OcTree& octree,
-                std::uint64_t scene_revision, MapFormat format);
+                std::uint64_t scene_revision, MapFormat format,
+                const Eigen::Vector3d& origin_m = Eigen::Vector3d::Zero());
 
 struct MapFile {
   std::shared_ptr<const octomap::OcTree> octree;

@@ -123,6 +123,7 @@ Json ToJson(const Understanding& all, const std::vector<Observation>& observatio
   Json json = {{"format", "soffit-result/1"}, {"revision", all.scene.revision}, {"objects", Json::array()},
                {"models", Json::array()},     {"clearance", Json::array()},     {"candidates", Json::array()},
                {"pictures", Json::array()},   {"problems", all.problems}};
+  json["map_origin"] = PointToJson(flight.map_origin_m);
   for (const SceneObject& object : all.scene.objects) json["objects"].push_back(ObjectToJson(object));
   for (const Solid& solid : all.scene.solids) json["models"].push_back(ModelToJson(solid));
   for (const ClearanceDecision& decision : all.decisions)
@@ -164,7 +165,8 @@ Status WriteResult(const fs::path& folder, const Understanding& understanding,
     if (Status status = WriteFile(folder / MeshFile(solid), ToObj(solid)); !status.ok()) return status;
   }
   if (const auto& octree = understanding.scene.octree) {
-    Status status = WriteMap(folder / "scene.bt", *octree, understanding.scene.revision, MapFormat::kBinary);
+    Status status = WriteMap(folder / "scene.bt", *octree, understanding.scene.revision, MapFormat::kBinary,
+                             flight.map_origin_m);
     if (!status.ok()) return status;
   }
   return WriteFile(folder / "result.json", ToJson(understanding, observations, flight).dump(1) + "\n");

@@ -142,6 +142,14 @@ Capture ReadFrame(const Node& frame) {
   return capture;
 }
 
+/// On the ground beneath the first picture, unless that is near the file's own origin.
+Eigen::Vector3d FindMapOrigin(const std::vector<Capture>& captures) {
+  constexpr double kNear_m = 500.0;
+  const Eigen::Vector3d& first = captures.front().map_from_camera.translation_m;
+  if (first.head<2>().norm() <= kNear_m) return Eigen::Vector3d::Zero();
+  return {std::floor(first.x()), std::floor(first.y()), 0.0};
+}
+
 Survey ReadDocument(const Node& root) {
   Survey survey;
   if (const std::string format = root.At("format").Text(); format != kFormat) {
@@ -168,6 +176,8 @@ Survey ReadDocument(const Node& root) {
     capture.capture_id = static_cast<std::uint32_t>(survey.captures.size() + 1);
     survey.captures.push_back(std::move(capture));
   }
+  survey.map_origin_m = FindMapOrigin(survey.captures);
+  for (Capture& capture : survey.captures) capture.map_from_camera.translation_m -= survey.map_origin_m;
   return survey;
 }
 
@@ -182,8 +192,8 @@ Json ToJson(const Intrinsics& k) {
           {"d", k.distortion}};
 }
 
-Json ToJson(const Capture& capture) {
-  const Eigen::Vector3d& p = capture.map_from_camera.translation_m;
+Json ToJson(const Capture& capture, const Eigen::Vector3d& map_origin_m) {
+  const Eigen::Vector3d p = capture.map_from_camera.translation_m + map_origin_m;
   const Eigen::Quaterniond& q = capture.map_from_camera.rotation;
   return {{"file", capture.name},
           {"purpose", ToString(capture.purpose)},
@@ -233,7 +243,7 @@ Status WriteSurvey(const fs::path& folder, const Survey& survey) {
                       {"altitude_amsl_m", survey.origin->altitude_amsl_m}};
   }
   for (const Capture& capture : survey.captures) {
-    json["frames"].push_back(ToJson(capture));
+    json["frames"].push_back(ToJson(capture, survey.map_origin_m));
     std::error_code ignored;
     if (capture.bytes.empty() || fs::exists(folder / capture.name, ignored)) continue;
     const std::string_view bytes(reinterpret_cast<const char*>(capture.bytes.data()), capture.bytes.size());

@@ -100,7 +100,7 @@ class MapFileTest : public ::testing::Test {
  protected:
   MapFileTest()
       : file_(fs::path(::testing::TempDir()) / ("soffit_map_" + std::to_string(getpid())) / "scene.ot") {
-    EXPECT_TRUE(WriteMap(file_, SmallTree(), 7, MapFormat::kFull).ok());
+    EXPECT_TRUE(WriteMap(file_, SmallTree(), 7, MapFormat::kFull, {690000, 5335000, 0}).ok());
   }
   ~MapFileTest() override { fs::remove_all(file_.parent_path()); }
 
@@ -118,6 +118,7 @@ TEST_F(MapFileTest, IsReadWithWhatItsManifestSays) {
   EXPECT_EQ(map.value().octree->size(), SmallTree().size());
   EXPECT_EQ(map.value().manifest.scene_revision, 7U);
   EXPECT_EQ(map.value().manifest.frame, "map");
+  EXPECT_EQ(map.value().manifest.origin_m, Eigen::Vector3d(690000, 5335000, 0));
   EXPECT_EQ(map.value().manifest.resolution_m, 0.1);
   EXPECT_EQ(map.value().manifest.sha256.size(), 64U);
 }

@@ -171,8 +171,9 @@ TEST_F(OutputsTest, GeoPackageHoldsAllLayers) {
   FlightRecord flight;
   flight.track_in_map_m = {{0, 0, 0}, {0, 0, 3}, {2, -1.6, 0.7}};
   flight.origin = GeodeticOrigin{50.06, 19.94, 210.0};
-  const Status written = WriteGeoPackage(
-      folder_ / "scene.gpkg", DescribeLayers(all_, PicturesOf(observations_), flight.track_in_map_m), flight.origin);
+  const Status written =
+      WriteGeoPackage(folder_ / "scene.gpkg",
+                      DescribeLayers(all_, PicturesOf(observations_), flight.track_in_map_m), flight.origin);
   ASSERT_TRUE(written.ok()) << written.error().message;
   GDALAllRegister();
   GDALDataset* dataset = GDALDataset::Open((folder_ / "scene.gpkg").c_str(), GDAL_OF_VECTOR);
@@ -200,8 +201,9 @@ TEST_F(OutputsTest, GeoPackageHoldsAllLayers) {
 TEST_F(OutputsTest, WritesTheSameBytesTwice) {
   for (const char* name : {"a", "b"}) {
     ASSERT_TRUE(WriteResult(folder_ / name, all_, observations_).ok());
-    ASSERT_TRUE(
-        WriteGeoPackage(folder_ / name / "scene.gpkg", DescribeLayers(all_, PicturesOf(observations_), {}), {}).ok());
+    ASSERT_TRUE(WriteGeoPackage(folder_ / name / "scene.gpkg",
+                                DescribeLayers(all_, PicturesOf(observations_), {}), {})
+                    .ok());
   }
   for (const char* file : {"result.json", "models/1.obj", "scene.bt", "scene.gpkg"}) {
     EXPECT_EQ(Read(folder_ / "a" / file), Read(folder_ / "b" / file)) << file;
@@ -219,6 +221,46 @@ TEST_F(OutputsTest, WriteOutputsWritesAllFilesAndLeavesNoPartsBehind) {
                                             "result.json", "scene.bt", "scene.bt.json", "scene.city.json",
                                             "scene.gpkg", "scene.png", "summary.png", "top_view.png"));
   EXPECT_FALSE(cv::imread((folder_ / "overlay/wall.jpg").string()).empty());
+}
+
+TEST_F(OutputsTest, WriteOutputsKeepsMillimetresFarFromTheOrigin) {
+  FlightRecord flight;
+  flight.map_origin_m = {690000, 5335000, 0};
+  ASSERT_TRUE(WriteOutputs(folder_, {observations_, all_}, flight).ok());
+  const json result = Result();
+  EXPECT_EQ(result["map_origin"], json::parse("[690000.0,5335000.0,0.0]"));
+  EXPECT_EQ(result["objects"][0]["footprint"][2], json::parse("[690004.0,5335001.5]"));
+  EXPECT_NEAR(result["clearance"][0]["entry"][1].get<double>(), 5334998.4, 1e-6);
+  EXPECT_NEAR(result["models"][0]["openings"][0]["polygon"][0][0].get<double>(),
+              690000.0 + all_.scene.solids[0].openings[0].polygon_in_map_m[0].x(), 1e-6);
+
+  std::istringstream obj(Read(folder_ / "models/1.obj"));
+  std::vector<Eigen::Vector3d> vertices;
+  for (std::string line; std::getline(obj, line);) {
+    std::istringstream words(line.substr(1));
+    Eigen::Vector3d p;
+    if (line[0] == 'v' && words >> p.x() >> p.y() >> p.z()) vertices.push_back(p - flight.map_origin_m);
+  }
+  ASSERT_EQ(vertices.size(), all_.scene.solids[0].mesh.vertices_in_map_m.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    EXPECT_LT((vertices[i] - all_.scene.solids[0].mesh.vertices_in_map_m[i]).norm(), 1e-5);
+
+  const json city = json::parse(Read(folder_ / "scene.city.json"));
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const double at =
+        city["vertices"][0][axis].get<double>() * city["transform"]["scale"][axis].get<double>() +
+        city["transform"]["translate"][axis].get<double>();
+    EXPECT_NEAR(at, flight.map_origin_m[static_cast<Eigen::Index>(axis)], 10.0);
+  }
+  EXPECT_EQ(json::parse(Read(folder_ / "scene.bt.json"))["origin"], result["map_origin"]);
+
+  GDALAllRegister();
+  auto* dataset = GDALDataset::Open((folder_ / "scene.gpkg").c_str(), GDAL_OF_VECTOR);
+  ASSERT_NE(dataset, nullptr);
+  OGREnvelope extent;
+  ASSERT_EQ(dataset->GetLayerByName("corridors")->GetExtent(&extent), OGRERR_NONE);
+  EXPECT_NEAR(extent.MinY, 5334998.4, 1e-6);
+  GDALClose(dataset);
 }
 
 TEST_F(OutputsTest, AMissionWithoutAnyPictureHasAResultAndAReport) {

@@ -105,6 +105,20 @@ TEST_F(ReadSurveyTest, ReadsBackWhatWasWritten) {
   EXPECT_DOUBLE_EQ(again.value().origin->longitude_deg, 19.94);
 }
 
+TEST_F(ReadSurveyTest, TakesProjectedPositionsRelativeToAMapOriginNearby) {
+  json document = GoodSurvey();
+  document["frames"][0]["position"] = {690001.25, 5335002.125, 9.5};
+  Write("survey.json", document.dump());
+  Survey survey = ReadSurvey(folder_).value();
+  EXPECT_EQ(survey.map_origin_m, Eigen::Vector3d(690001, 5335002, 0));
+  EXPECT_EQ(survey.captures[0].map_from_camera.translation_m, Eigen::Vector3d(0.25, 0.125, 9.5));
+  survey.captures[0].bytes = {1, 2, 3};
+  ASSERT_TRUE(WriteSurvey(folder_ / "copy", survey).ok());
+  const Survey again = ReadSurvey(folder_ / "copy").value();
+  EXPECT_EQ(again.map_origin_m, survey.map_origin_m);
+  EXPECT_EQ(again.captures[0].map_from_camera.translation_m, Eigen::Vector3d(0.25, 0.125, 9.5));
+}
+
 TEST_F(ReadSurveyTest, NamesTheMissingFile) {
   const Result<Survey> read = ReadSurvey(folder_);
   ASSERT_FALSE(read.ok());
