@@ -12,9 +12,10 @@
 namespace soffit {
 namespace {
 
-constexpr int kLineSteps = 4;             // Places that are tried on either side of the middle.
-constexpr double kKeptSigmas = 4.0;       // Kept on all sides off the middle: more than a decision asks for.
-constexpr double kHigher = 2.0;           // Times what is known of a thing's height it may be.
+constexpr int kLineSteps = 4;        // Places that are tried on either side of the middle.
+constexpr double kKeptSigmas = 4.0;  // Kept on all sides off the middle: more than a decision asks for.
+constexpr double kHigher = 2.0;  // Times what was seen of a thing's height it may be, when its top was not.
+constexpr double kObstacleSigmas = 3.0;
 constexpr std::size_t kMaxObstacles = 8;  // In one passage; the nearest to its axis count.
 
 Eigen::Vector3d At(const Eigen::Vector2d& plan, double z) { return {plan.x(), plan.y(), z}; }
@@ -34,9 +35,9 @@ Ring Clip(const Ring& ring, const Eigen::Vector2d& direction, double limit) {
   return kept;
 }
 
-/// What an obstacle takes from a passage's section: the upright strip [left, right] up to `top`.
+/// What an obstacle takes from a passage's section: [left, right] x [bottom, top].
 struct Shadow {
-  double left = 0.0, right = 0.0, top = 0.0;
+  double left = 0.0, right = 0.0, bottom = 0.0, top = 0.0;
   const Obstacle* obstacle = nullptr;
 };
 
@@ -59,15 +60,15 @@ Free NoRoom(const Ring& section) {
   return {{middle.x(), middle.x(), middle.y(), middle.y()}, 0.0};
 }
 
-/// The best room left of, right of or above each shadow, above with room to spare: how high a thing is, is
-/// not known as well as where it stands.
+/// The best room left of, right of, above or below each shadow.
 std::optional<Free> FitBetween(const Ring& section, const std::vector<Shadow>& shadows, std::size_t from,
                                const VehicleEnvelope& vehicle) {
   if (from == shadows.size()) return FitRoom(section, vehicle);
   const Shadow& shadow = shadows[from];
   std::optional<Free> best;
-  for (const Ring& part : {Clip(section, {1.0, 0.0}, shadow.left), Clip(section, {-1.0, 0.0}, -shadow.right),
-                           Clip(section, {0.0, -1.0}, -shadow.top)}) {
+  for (const Ring& part :
+       {Clip(section, {1.0, 0.0}, shadow.left), Clip(section, {-1.0, 0.0}, -shadow.right),
+        Clip(section, {0.0, -1.0}, -shadow.top), Clip(section, {0.0, 1.0}, shadow.bottom)}) {
     const auto free = FitBetween(part, shadows, from + 1, vehicle);
     if (free && (!best || free->fit > best->fit)) best = free;
   }
@@ -91,9 +92,12 @@ std::vector<Shadow> CastShadows(const std::vector<Obstacle>& obstacles, const Wa
     const double reach = obstacle.radius_m + obstacle.std_m;
     if (front - reach > stand_off || -front - reach > passage.length_m + stand_off) continue;
     if (u + reach < left || u - reach > right) continue;
-    const double top = kHigher * obstacle.height_m;
+    const double slack = kObstacleSigmas * obstacle.std_m;
+    const double base = obstacle.base_in_map_m.z();
+    const double top =
+        base + (obstacle.is_top_seen ? obstacle.height_m + slack : kHigher * obstacle.height_m);
     if (top <= bottom) continue;  // It stays below the sill.
-    shadows.push_back({u - reach, u + reach, top, &obstacle});
+    shadows.push_back({u - reach, u + reach, base - slack, top, &obstacle});
   }
   const double middle = 0.5 * (left + right);
   std::stable_sort(shadows.begin(), shadows.end(), [&](const Shadow& a, const Shadow& b) {

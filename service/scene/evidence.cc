@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "service/facade/median.h"
+#include "service/scene/bar.h"
 
 namespace soffit {
 namespace {
@@ -234,6 +235,13 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
     const double width_m = stats.at<int>(i, cv::CC_STAT_WIDTH) * depth_m / view_.intrinsics.fx_px;
     thing.near_m = static_cast<float>((1.0 - kFootShare) * depth_m);
     thing.far_m = static_cast<float>((1.0 + kFootShare) * depth_m + width_m);
+  }
+  for (const Bar& bar : FindBars(sight, prediction)) {
+    for (const cv::Rect& run : bar.runs_px) {
+      fails_(run).setTo(1);
+      component_(run).setTo(static_cast<int>(things_.size()));
+    }
+    things_.push_back({0.0F, bar.far_m});
   }
 }
 

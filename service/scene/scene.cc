@@ -17,6 +17,7 @@ namespace soffit {
 namespace {
 
 constexpr std::size_t kMinThing = 8;  // Voxels: smaller groups are noise.
+constexpr int kFringe = 2;            // Voxels about a thing that its blurred edge leaves unknown.
 constexpr double kPiece_m = 0.5;      // A larger group is told as several obstacles, each about so wide.
 
 struct Box {
@@ -151,8 +152,23 @@ std::vector<Index> Flood(const Index& start, Voxels& voxels, std::vector<bool>& 
   return group;
 }
 
+/// Whether most of what is above the group (`up` 1) or below it (-1) is free, but for a fringe.
+bool EndsInFree(const std::vector<Index>& group, int up, const Voxels& voxels) {
+  int free = 0;
+  int ends = 0;
+  for (const Index& at : group) {
+    const Index next = {at[0], at[1], at[2] + up};
+    const Index beyond = {at[0], at[1], at[2] + up * kFringe};
+    if (!voxels.Has(next) || voxels.At(next) == Voxel::kThing) continue;
+    ++ends;
+    free += voxels.Has(beyond) && voxels.At(beyond) == Voxel::kFree ? 1 : 0;
+  }
+  return 2 * free > ends;
+}
+
 /// The upright cylinder about a group of voxels.
-Obstacle Enclose(const std::vector<Index>& group, const Grid& grid) {
+Obstacle Enclose(const std::vector<Index>& group, const Voxels& voxels) {
+  const Grid& grid = voxels.grid;
   Box box;
   for (const Index& at : group) {
     const Eigen::Vector3d center = grid.Center(at[0], at[1], at[2]);
@@ -161,8 +177,10 @@ Obstacle Enclose(const std::vector<Index>& group, const Grid& grid) {
   }
   Obstacle obstacle;
   const Eigen::Vector3d middle = 0.5 * (box.low + box.high);
-  obstacle.base_in_map_m = {middle.x(), middle.y(), 0.0};
-  obstacle.height_m = box.high.z() + 0.5 * grid.voxel_m;
+  const double base_m = EndsInFree(group, -1, voxels) ? box.low.z() - 0.5 * grid.voxel_m : 0.0;
+  obstacle.base_in_map_m = {middle.x(), middle.y(), base_m};
+  obstacle.height_m = box.high.z() + 0.5 * grid.voxel_m - base_m;
+  obstacle.is_top_seen = EndsInFree(group, 1, voxels);
   obstacle.std_m = 0.5 * grid.voxel_m;
   for (const Index& at : group) {
     const double distance = (grid.Center(at[0], at[1], at[2]) - middle).head<2>().norm();
@@ -179,7 +197,7 @@ std::vector<Obstacle> GatherObstacles(const Carving& carving, Voxels& voxels) {
     if (voxels.At(at) != Voxel::kThing || is_taken[voxels.grid.Number(at[0], at[1], at[2])]) return;
     const std::vector<Index> group = Flood(at, voxels, is_taken);
     if (group.size() >= kMinThing) {
-      obstacles.push_back(Enclose(group, voxels.grid));
+      obstacles.push_back(Enclose(group, voxels));
       obstacles.back().captures = carving.CapturesOfThingAt(group[group.size() / 2]);
     } else {
       for (const Index& small : group) voxels.At(small) = Voxel::kUnknown;

@@ -21,13 +21,14 @@ struct SceneObject {
   std::vector<std::uint32_t> neighbours;  ///< Ids of the nearest objects, nearest first.
 };
 
-/// Something that stands in the scene, or hangs there, and belongs to no building: an upright cylinder on the
-/// ground about it.
+/// Something that stands in the scene, or hangs there, and belongs to no building: an upright cylinder about
+/// it.
 struct Obstacle {
-  Eigen::Vector3d base_in_map_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d base_in_map_m = Eigen::Vector3d::Zero();  ///< On the ground unless it is seen to hang.
   double radius_m = 0.0;
-  double height_m = 0.0;
-  double std_m = 0.0;  ///< Of its place.
+  double height_m = 0.0;     ///< Above its base, as far as it was seen.
+  bool is_top_seen = false;  ///< It was seen to end there.
+  double std_m = 0.0;        ///< Of its place.
   std::vector<std::uint32_t> captures;
 };
 

@@ -40,6 +40,7 @@ struct Voxels {
     return at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && at[0] < grid.count[0] && at[1] < grid.count[1] &&
            at[2] < grid.count[2];
   }
+  Voxel At(const Index& at) const { return states[grid.Number(at[0], at[1], at[2])]; }
   Voxel& At(const Index& at) { return states[grid.Number(at[0], at[1], at[2])]; }
 };
 

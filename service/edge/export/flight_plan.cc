@@ -67,7 +67,8 @@ double TransitHeight_m(const Scene& scene) {
   double highest_m = kLowestTransit_m - kAbove_m;
   for (const SceneObject& object : scene.objects)
     highest_m = std::max(highest_m, object.footprint.height_m + 3.0 * object.footprint.height_std_m);
-  for (const Obstacle& obstacle : scene.obstacles) highest_m = std::max(highest_m, obstacle.height_m);
+  for (const Obstacle& obstacle : scene.obstacles)
+    highest_m = std::max(highest_m, obstacle.base_in_map_m.z() + obstacle.height_m);
   return highest_m + kAbove_m;
 }
 

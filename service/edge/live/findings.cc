@@ -17,7 +17,7 @@ Footprint FootprintOf(const Obstacle& obstacle) {
                                                radius_m *
                                                    Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
   }
-  footprint.height_m = obstacle.height_m;
+  footprint.height_m = obstacle.base_in_map_m.z() + obstacle.height_m;
   return footprint;
 }
 

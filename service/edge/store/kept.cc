@@ -145,6 +145,7 @@ void Record(Io& io, RecordOf<Io, Obstacle>& v) {
   io("base_in_map_m", v.base_in_map_m);
   io("radius_m", v.radius_m);
   io("height_m", v.height_m);
+  io("is_top_seen", v.is_top_seen);
   io("std_m", v.std_m);
   io("captures", v.captures);
 }

@@ -99,28 +99,53 @@ TEST(PlanCorridors, KeepsTheUncertaintyOfTheSidesOffThem) {
   EXPECT_GE(corridors[0].entry_in_map_m.z() - 0.40, 3.0 * 0.02);
 }
 
+Obstacle Pillar(const Eigen::Vector3d& base_in_map_m, double radius_m, double height_m) {
+  Obstacle pillar;
+  pillar.base_in_map_m = base_in_map_m;
+  pillar.radius_m = radius_m;
+  pillar.height_m = height_m;
+  return pillar;
+}
+
 TEST(PlanCorridors, GoesBesideAPole) {
-  const auto corridors = PlanCorridors(WithPassage({{{1.3, -0.5, 0}, 0.05, 2.0, 0.0, {}}}), 7, kVehicle, {});
+  const auto corridors = PlanCorridors(WithPassage({Pillar({1.3, -0.5, 0}, 0.05, 2.0)}), 7, kVehicle, {});
   ASSERT_THAT(corridors, SizeIs(1));
   EXPECT_NEAR(corridors[0].free_width_m, 1.65, 1e-6);
   EXPECT_THAT(corridors[0].limited_by, HasSubstr("obstacle at 1.30, -0.50"));
 }
 
 TEST(PlanCorridors, TellsWhatAPoleInTheMiddleLeaves) {
-  const auto corridors = PlanCorridors(WithPassage({{{2.0, -0.5, 0}, 0.05, 2.0, 0.0, {}}}), 7, kVehicle, {});
+  const auto corridors = PlanCorridors(WithPassage({Pillar({2.0, -0.5, 0}, 0.05, 2.0)}), 7, kVehicle, {});
   ASSERT_THAT(corridors, SizeIs(1));
   EXPECT_NEAR(corridors[0].free_width_m, 0.95, 1e-6);
 }
 
 TEST(PlanCorridors, GoesOverALowThingWithRoomToSpare) {
-  const auto corridors = PlanCorridors(WithPassage({{{2.0, 0.7, 0}, 0.9, 0.3, 0.0, {}}}), 7, kVehicle, {});
+  const auto corridors = PlanCorridors(WithPassage({Pillar({2.0, 0.7, 0}, 0.9, 0.3)}), 7, kVehicle, {});
   ASSERT_THAT(corridors, SizeIs(1));
   EXPECT_NEAR(corridors[0].floor_m, 0.6, 1e-6);
   EXPECT_NEAR(corridors[0].free_height_m, 0.9, 1e-6);
 }
 
+TEST(PlanCorridors, GoesCloserOverAThingWhoseTopIsSeen) {
+  Obstacle low = Pillar({2.0, 0.7, 0}, 0.9, 0.3);
+  low.is_top_seen = true;
+  const auto corridors = PlanCorridors(WithPassage({low}), 7, kVehicle, {});
+  ASSERT_THAT(corridors, SizeIs(1));
+  EXPECT_NEAR(corridors[0].floor_m, 0.3, 1e-6);
+}
+
+TEST(PlanCorridors, GoesUnderAThingThatHangs) {
+  Obstacle beam = Pillar({2.0, 0.7, 1.2}, 2.0, 0.1);
+  beam.std_m = 0.02;
+  const auto corridors = PlanCorridors(WithPassage({beam}), 7, kVehicle, {});
+  ASSERT_THAT(corridors, SizeIs(1));
+  EXPECT_NEAR(corridors[0].floor_m, 0.0, 1e-6);
+  EXPECT_NEAR(corridors[0].free_height_m, 1.2 - 3.0 * 0.02, 1e-6);
+}
+
 TEST(PlanCorridors, DoesNotLoseAPassageThatIsFilledUp) {
-  const auto corridors = PlanCorridors(WithPassage({{{2.0, 0.7, 0}, 2.0, 2.0, 0.0, {}}}), 7, kVehicle, {});
+  const auto corridors = PlanCorridors(WithPassage({Pillar({2.0, 0.7, 0}, 2.0, 2.0)}), 7, kVehicle, {});
   ASSERT_THAT(corridors, SizeIs(1));
   EXPECT_EQ(corridors[0].free_width_m, 0.0);
 }
