@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <vector>
 
 #include "service/facade/wall.h"
 #include "shared/result/result.h"
@@ -26,6 +28,10 @@ constexpr double kLeastOrientationStd_rad = 0.0003;
 constexpr double kHeightPriorStd_m = 0.5;
 constexpr double kHeightPriorShare = 0.2;
 constexpr double kFreeCornerStd_m = 1.0;
+constexpr double kWellKnown = 0.15;  // Standard deviation of a height, over it.
+constexpr double kLowest_m = 0.4;
+constexpr double kNextHeight = 1.6;        // Times the last.
+constexpr double kHighest = 0.8;           // Times the height of the lowest camera.
 constexpr double kMostHeightChange = 3.0;  // Times the height from above, or one over it.
 constexpr double kMinFacing = 0.05;        // Cosine: walls seen more edge-on are left out.
 
@@ -142,6 +148,10 @@ struct Shot {
   std::optional<double> Find(const Eigen::Vector2d& at, const Eigen::Vector2d& normal, int reach) const {
     return outline != nullptr ? FindEdge(*outline, at, normal, reach) : FindEdge(own, at, normal, reach);
   }
+  bool Shows(const Eigen::Vector2d& at) const {
+    const Intrinsics& k = view.intrinsics;
+    return at.x() >= 0.0 && at.y() >= 0.0 && at.x() < k.width_px && at.y() < k.height_px;
+  }
   double EdgeStd_px() const { return outline != nullptr ? kOutlineStd_px : kMaskStd_px; }
 };
 
@@ -183,7 +193,8 @@ struct Normal {
   Eigen::MatrixXd coupling;
   Eigen::MatrixXd shared;
   Eigen::VectorXd shared_right;
-  std::size_t samples = 0;
+  std::size_t samples = 0;  ///< Of edges that were found,
+  std::size_t looked = 0;   ///< of those in the picture.
 };
 
 Normal Gather(const Shot& shot, const std::vector<EdgePoint>& points, std::size_t corners, int reach) {
@@ -196,6 +207,7 @@ Normal Gather(const Shot& shot, const std::vector<EdgePoint>& points, std::size_
     const auto beside = Project(shot.view, point.in_map_m + 0.01 * point.outward);
     if (!at || !beside || (*beside - *at).norm() < 1e-6) continue;
     const Eigen::Vector2d across = (*beside - *at).normalized();
+    normal.looked += shot.Shows(*at) ? 1U : 0U;
     const auto distance = shot.Find(*at, across, reach);
     if (!distance) continue;
     const auto row = Sensitivity(shot.view, point.in_map_m, *at, across);
@@ -315,11 +327,14 @@ class Adjustment {
     Eigen::MatrixXd reduced = prior_.asDiagonal();
     Eigen::VectorXd right = prior_.cwiseProduct(known_ - Pack(object_));
     std::vector<Normal> normals;
+    found_ = looked_ = 0;
     for (Shot& shot : shots_) {
       const std::vector<EdgePoint> points =
           SampleEdges(object_.polygon_in_map_m, object_.height_m, shot.view);
       Normal normal = Gather(shot, points, corners, SearchReach(shot.reported, object_, progress));
       shot.is_used = normal.samples >= kMinSamples;
+      found_ += normal.samples;
+      looked_ += normal.looked;
       const Vector6 prior = PriorOf(shot.reported);
       normal.pose.diagonal() += prior;
       normal.pose_right -= prior.cwiseProduct(Moved(shot.view, shot.reported));
@@ -343,6 +358,11 @@ class Adjustment {
     const double known_height = known_(known_.size() - 1);
     return covariance_.allFinite() && object_.height_m > known_height / kMostHeightChange &&
            object_.height_m < kMostHeightChange * known_height && IsSimple(outer) && SignedArea(outer) > 0.0;
+  }
+
+  /// Share of the building's edges that the pictures show where they are expected, as of the last step.
+  double FoundShare() const {
+    return looked_ == 0 ? 0.0 : static_cast<double>(found_) / static_cast<double>(looked_);
   }
 
   Footprint Result() const {
@@ -370,7 +390,32 @@ class Adjustment {
   Eigen::VectorXd prior_;
   std::vector<Shot>& shots_;
   Eigen::MatrixXd covariance_;
+  std::size_t found_ = 0;
+  std::size_t looked_ = 0;
 };
+
+/// Heights to begin with: the one that is known, and where it is not known well, all that there may be.
+std::vector<Footprint> Begin(const Footprint& object) {
+  std::vector<Footprint> starts;
+  if (object.height_m > 0.0) starts.push_back(object);
+  const bool is_known = object.height_m > 0.0 && object.height_std_m < kWellKnown * object.height_m;
+  if (is_known || object.silhouettes.empty()) return starts;
+  double highest = std::numeric_limits<double>::infinity();
+  for (const Silhouette& silhouette : object.silhouettes)
+    highest = std::min(highest, kHighest * silhouette.view.map_from_camera.translation_m.z());
+  for (double height = kLowest_m; height < highest; height *= kNextHeight)
+    starts.push_back(WithHeight(object, height, (kNextHeight - 1.0) * height));
+  return starts;
+}
+
+/// Of the sights first, then of the silhouettes that are whole.
+void TakeViews(const std::vector<Shot>& shots, Alignment& alignment) {
+  std::size_t next = 0;
+  for (Sight& sight : alignment.sights) sight.view = shots[next++].view;
+  for (Silhouette& silhouette : alignment.footprint.silhouettes) {
+    if (!silhouette.outline.is_cut) silhouette.view = shots[next++].view;
+  }
+}
 
 }  // namespace
 
@@ -378,28 +423,27 @@ Alignment AlignSights(const Footprint& object, const std::vector<Mask>& masks,
                       const std::vector<Sight>& sights, const FacadeOptions& options) {
   SOFFIT_EXPECT(IsValidOptions(options));
   SOFFIT_EXPECT(masks.size() == sights.size());
-  Alignment aligned{object, sights};
-  if (!(object.height_m > 0.0)) return aligned;
-  std::vector<Shot> shots;
+  std::vector<Shot> reported;
   for (std::size_t i = 0; i < sights.size(); ++i)
-    shots.push_back({sights[i].view, sights[i].view, OwnStructure(sights[i], masks[i], object.color)});
+    reported.push_back({sights[i].view, sights[i].view, OwnStructure(sights[i], masks[i], object.color)});
   for (const Silhouette& silhouette : object.silhouettes) {
     if (!silhouette.outline.is_cut)
-      shots.push_back({silhouette.view, silhouette.view, {}, &silhouette.outline});
+      reported.push_back({silhouette.view, silhouette.view, {}, &silhouette.outline});
   }
 
-  Adjustment adjustment(object, shots);
-  for (int round = 0; round < kRounds; ++round) {
-    adjustment.Step(static_cast<double>(round) / (kRounds - 1));
-    if (!adjustment.IsSane()) return aligned;
+  Alignment best{object, sights};
+  double best_share = 0.0;
+  for (const Footprint& start : Begin(object)) {
+    std::vector<Shot> shots = reported;
+    Adjustment adjustment(start, shots);
+    for (int round = 0; round < kRounds && adjustment.IsSane(); ++round)
+      adjustment.Step(static_cast<double>(round) / (kRounds - 1));
+    if (!adjustment.IsSane() || adjustment.FoundShare() <= best_share) continue;
+    best_share = adjustment.FoundShare();
+    best = {adjustment.Result(), sights};
+    TakeViews(shots, best);
   }
-  aligned.footprint = adjustment.Result();
-  std::size_t next = 0;
-  for (Sight& sight : aligned.sights) sight.view = shots[next++].view;
-  for (Silhouette& silhouette : aligned.footprint.silhouettes) {
-    if (!silhouette.outline.is_cut) silhouette.view = shots[next++].view;
-  }
-  return aligned;
+  return best;
 }
 
 }  // namespace soffit

@@ -18,7 +18,8 @@ struct Alignment {
 /// Three-Dimensional Models to Images, 1991). Least squares on distances in the picture, with the reported
 /// standard deviations of the poses as priors; poses are eliminated one by one. The building's standard
 /// deviations are those in the map, those of the adjusted views are relative to the building. What does not
-/// converge is returned as it was. Pure.
+/// converge is returned as it was. Where the height is not known well, or not at all, it is tried from many,
+/// and the result with most of its edges in the pictures is taken. Pure.
 Alignment AlignSights(const Footprint& object, const std::vector<Mask>& masks,
                       const std::vector<Sight>& sights, const FacadeOptions& options);
 

@@ -100,9 +100,18 @@ TEST(AlignSights, TellsThatThePlaceIsNoBetterThanThePoses) {
   }
 }
 
-TEST(AlignSights, LeavesABuildingOfUnknownHeightAsItWas) {
+TEST(AlignSights, FindsAHeightThatIsNotKnown) {
   Footprint box = SeenFromAbove(kBox, 2.0, {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}});
   box.height_m = 0.0;
+  EXPECT_NEAR(AlignSights(box, {}, {}, {}).footprint.height_m, 2.0, 0.1);
+  box.height_m = 0.3;
+  box.height_std_m = 0.4;
+  EXPECT_NEAR(AlignSights(box, {}, {}, {}).footprint.height_m, 2.0, 0.1);
+}
+
+TEST(AlignSights, LeavesABuildingWithoutHeightAndOutlinesAsItWas) {
+  Footprint box;
+  box.polygon_in_map_m.outer = kBox;
   EXPECT_EQ(AlignSights(box, {}, {}, {}).footprint.polygon_in_map_m.outer, kBox);
 }
 
