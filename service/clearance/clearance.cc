@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kSameView_m = 0.5;
 constexpr double kTiny_m = 1e-9;
+constexpr double kSameBuildingShare = 0.25;
 
 std::string InMetres(double value) { return Say(value, " m"); }
 
@@ -118,13 +119,16 @@ ClearanceDecision Judge::WithoutPassage() const {
 }
 
 /// Other buildings are known by their outlines alone, and taken to be without openings and as high as the
-/// sky.
+/// sky. An outline that lies over the model is no other building: it is this one, badly seen.
 std::optional<std::string> Judge::FindNeighbourInTheWay(const Corridor& corridor) const {
   const double keep_m = vehicle.radius_m + vehicle.safety_margin_m;
   const Eigen::Vector2d from = corridor.entry_in_map_m.head<2>();
   const Eigen::Vector2d to = corridor.exit_in_map_m.head<2>();
   for (const SceneObject& object : scene.objects) {
     if (FindSolid(scene, object.footprint.object_id) != nullptr) continue;
+    if (ShareInside(solid.footprint.polygon_in_map_m.outer, object.footprint.polygon_in_map_m.outer) >
+        kSameBuildingShare)
+      continue;
     if (DistanceToSegment(object.footprint.polygon_in_map_m.outer, from, to) >= keep_m) continue;
     return "building " + std::to_string(object.footprint.object_id) + " stands in the way";
   }

@@ -170,24 +170,6 @@ Polygon DrawAlone(const Silhouette& s, double height_m) {
   return carved.outer.empty() ? ProjectOutline(s, height_m) : carved;
 }
 
-/// Points all over the bounding box of a polygon.
-std::vector<Vector2d> GridOver(const Polygon& polygon) {
-  constexpr int kCells = 24;
-  Vector2d low = polygon.outer.front();
-  Vector2d high = low;
-  for (const Vector2d& p : polygon.outer) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  std::vector<Vector2d> points;
-  for (int i = 0; i < kCells; ++i) {
-    for (int j = 0; j < kCells; ++j) {
-      points.push_back(low + (high - low).cwiseProduct(Vector2d((i + 0.5) / kCells, (j + 0.5) / kCells)));
-    }
-  }
-  return points;
-}
-
 /// How far a whole silhouette lies beside the footprint, as far as the noise of its pose explains that.
 Vector2d ShiftOfPose(const Silhouette& silhouette, const Polygon& polygon, double height_m) {
   const double reach_m = 3.0 * std::hypot(silhouette.view.position_std_m,
@@ -208,7 +190,7 @@ double ShareExplained(const Silhouette& silhouette, const Polygon& polygon, doub
   const Vector2d shift = ShiftOfPose(silhouette, polygon, height_m);
   int covered = 0;
   int explained = 0;
-  for (const Vector2d& p : GridOver(shadow)) {
+  for (const Vector2d& p : GridOver(shadow.outer)) {
     if (!Contains(shadow.outer, p)) continue;
     ++covered;
     for (int level = 0; level <= kLevels; ++level) {
@@ -222,18 +204,6 @@ double ShareExplained(const Silhouette& silhouette, const Polygon& polygon, doub
   return covered > 0 ? static_cast<double>(explained) / covered : 0.0;
 }
 
-/// Share of `inner` that lies in `outer`.
-double ShareInside(const Polygon& inner, const Polygon& outer) {
-  int inside = 0;
-  int both = 0;
-  for (const Vector2d& p : GridOver(inner)) {
-    if (!Contains(inner.outer, p)) continue;
-    ++inside;
-    if (Contains(outer.outer, p)) ++both;
-  }
-  return inside > 0 ? static_cast<double>(both) / inside : 0.0;
-}
-
 /// Whether what `other` was seen as is this building, or part of it. A height that is not known yet is tried
 /// at a middling value.
 bool Explains(const Footprint& building, const Footprint& other) {
@@ -245,7 +215,7 @@ bool Explains(const Footprint& building, const Footprint& other) {
     return f.height_m > 0.0 ? f.polygon_in_map_m : DrawAlone(BestSilhouette(f.silhouettes), height_m);
   };
   if (building.is_cut && !other.is_cut) {  // Whatever stands in it, its silhouette covers the foot of it.
-    return ShareInside(at_height(other), DrawAlone(BestSilhouette(building.silhouettes), 0.0)) >=
+    return ShareInside(at_height(other).outer, DrawAlone(BestSilhouette(building.silhouettes), 0.0).outer) >=
            kExplainedShare;
   }
   const Polygon polygon = at_height(building);

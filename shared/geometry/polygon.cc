@@ -138,6 +138,36 @@ bool IsSimple(const Ring& ring) {
   return true;
 }
 
+std::vector<Eigen::Vector2d> GridOver(const Ring& ring) {
+  constexpr int kCells = 24;
+  std::vector<Eigen::Vector2d> points;
+  if (ring.empty()) return points;
+  Eigen::Vector2d low = ring.front();
+  Eigen::Vector2d high = low;
+  for (const Eigen::Vector2d& p : ring) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  for (int i = 0; i < kCells; ++i) {
+    for (int j = 0; j < kCells; ++j) {
+      points.push_back(low +
+                       (high - low).cwiseProduct(Eigen::Vector2d((i + 0.5) / kCells, (j + 0.5) / kCells)));
+    }
+  }
+  return points;
+}
+
+double ShareInside(const Ring& inner, const Ring& outer) {
+  int inside = 0;
+  int both = 0;
+  for (const Eigen::Vector2d& p : GridOver(inner)) {
+    if (!Contains(inner, p)) continue;
+    ++inside;
+    if (Contains(outer, p)) ++both;
+  }
+  return inside > 0 ? static_cast<double>(both) / inside : 0.0;
+}
+
 Ring ConvexHull(const std::vector<Eigen::Vector2d>& points) {
   std::vector<Eigen::Vector2d> sorted = points;
   std::sort(sorted.begin(), sorted.end(),

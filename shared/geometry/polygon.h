@@ -29,6 +29,8 @@ bool Crosses(const Ring& ring, const Eigen::Vector2d& a, const Eigen::Vector2d& 
 /// Between a segment and the area within a ring; 0 when they meet.
 double DistanceToSegment(const Ring& ring, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 bool IsSimple(const Ring& ring);  ///< No two sides meet but neighbours at their corner. O(n^2).
+std::vector<Eigen::Vector2d> GridOver(const Ring& ring);      ///< 24 x 24 points all over its bounding box.
+double ShareInside(const Ring& inner, const Ring& outer);     ///< Of the area of `inner`, told by GridOver().
 Ring ConvexHull(const std::vector<Eigen::Vector2d>& points);  ///< Counter-clockwise, no collinear corners.
 
 }  // namespace soffit

@@ -17,9 +17,10 @@ const VehicleEnvelope kVehicle{0.35, 0.30, 0.25};
 const std::vector<View> kAllSides = {test::FromSouth(), test::FromNorth(), test::FromEast(),
                                      test::FromWest()};
 
-/// From painted pictures to decisions, with the stages as they are chained in the service.
+/// From painted pictures to decisions, with the stages as they are chained in the service; `other` is the
+/// outline of another building of the map.
 std::vector<ClearanceDecision> Judge(const Arch& arch, const std::vector<View>& views,
-                                     const std::vector<Thing>& more = {}) {
+                                     const std::vector<Thing>& more = {}, const Ring& other = {}) {
   std::vector<Thing> things = {arch.thing()};
   things.insert(things.end(), more.begin(), more.end());
   const auto seeing = test::Look(views, things);
@@ -29,7 +30,13 @@ std::vector<ClearanceDecision> Judge(const Arch& arch, const std::vector<View>& 
   SceneObject object;
   object.footprint = solid.footprint;
   object.is_matched = true;
-  const Scene scene = BuildScene(1, {object}, {solid}, aligned.sights, {});
+  std::vector<SceneObject> objects = {object};
+  if (!other.empty()) {
+    objects.emplace_back();
+    objects.back().footprint.object_id = 2;
+    objects.back().footprint.polygon_in_map_m.outer = other;
+  }
+  const Scene scene = BuildScene(1, objects, {solid}, aligned.sights, {});
   return JudgeClearance(scene, 1, PlanCorridors(scene, 1, kVehicle, {}), aligned.sights, kVehicle, {});
 }
 
@@ -92,6 +99,17 @@ TEST(JudgeClearance, BlocksAPoleInFront) {
   const auto decisions = Judge({}, kAllSides, {pole});
   EXPECT_EQ(decisions[0].verdict, Verdict::kBlocked) << decisions[0].reason;
   EXPECT_THAT(decisions[0].reason, HasSubstr("obstacle at"));
+}
+
+TEST(JudgeClearance, BlocksABuildingRightBehindTheExit) {
+  const auto decisions = Judge({}, kAllSides, {}, test::Box(-1.0, 1.5, 1.0, 3.0));
+  EXPECT_EQ(decisions[0].verdict, Verdict::kBlocked);
+  EXPECT_THAT(decisions[0].reason, HasSubstr("building 2 stands in the way"));
+}
+
+TEST(JudgeClearance, DoesNotTakeAnotherOutlineOfTheBuildingForANeighbour) {
+  const auto decisions = Judge({}, kAllSides, {}, test::Box(-1.5, -0.4, 2.9, 1.4));
+  EXPECT_EQ(decisions[0].verdict, Verdict::kClear) << decisions[0].reason;
 }
 
 TEST(JudgeClearance, TakesAMarkOnTheGroundForGround) {

@@ -50,6 +50,15 @@ TEST(IsSimple, RefusesBowTiesSpikesRepeatedCornersAndTouchingSides) {
   EXPECT_FALSE(IsSimple({{0, 0}, {1, 1}}));
 }
 
+TEST(ShareInside, TellsHowMuchOfOneRingLiesInAnother) {
+  const Ring square = {{0, 0}, {2, 0}, {2, 2}, {0, 2}};
+  const Ring right = {{1, -1}, {5, -1}, {5, 3}, {1, 3}};
+  EXPECT_DOUBLE_EQ(ShareInside(square, square), 1.0);
+  EXPECT_NEAR(ShareInside(square, right), 0.5, 0.05);
+  EXPECT_DOUBLE_EQ(ShareInside(square, {{3, 0}, {4, 0}, {4, 1}}), 0.0);
+  EXPECT_DOUBLE_EQ(ShareInside({}, square), 0.0);
+}
+
 TEST(ConvexHull, DropsInnerAndCollinearPoints) {
   EXPECT_THAT(ConvexHull({{0, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 1}, {0, 0}}), SizeIs(4));
   EXPECT_GT(SignedArea(ConvexHull({{0, 0}, {0, 2}, {2, 2}, {2, 0}})), 0.0);
