@@ -10,6 +10,7 @@
 
 #include "service/image/jpeg.h"
 #include "service/image/picture_header.h"
+#include "service/image/picture_memory.h"
 
 namespace soffit {
 namespace {
@@ -136,7 +137,7 @@ Intrinsics WithoutDistortion(const Intrinsics& k) {
 /// A few rows at a time: where their pixels come from then stays in the cache.
 cv::Mat3b Undistort(const cv::Mat3b& picture, const Intrinsics& distorted, const Intrinsics& ideal) {
   constexpr int kBandRows = 32;
-  cv::Mat3b result(picture.size());
+  cv::Mat3b result = NewPicture(picture.size(), CV_8UC3);
   cv::Mat whole, fraction;
   for (int first = 0; first < picture.rows; first += kBandRows) {
     cv::Mat3b band = result.rowRange(first, std::min(first + kBandRows, picture.rows));

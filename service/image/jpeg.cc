@@ -9,6 +9,8 @@
 
 #include <array>
 
+#include "service/image/picture_memory.h"
+
 namespace soffit {
 namespace {
 
@@ -82,7 +84,7 @@ Result<cv::Mat3b> DecodeJpeg(const std::vector<std::uint8_t>& bytes, const cv::S
   reader.jpeg.client_data = &reader;
   reader.errors.error_exit = GiveUp;
   reader.errors.emit_message = RefuseDamage;
-  cv::Mat3b bgr(size);
+  cv::Mat3b bgr = NewPicture(size, CV_8UC3);
   cv::Mat4b cmyk_row(1, size.width);
   if (ReadJpeg(bytes, reader, bgr, cmyk_row)) return bgr;
   const std::string problem = reader.problem.data();

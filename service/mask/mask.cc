@@ -5,57 +5,17 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "service/image/picture_memory.h"
+#include "service/mask/classify.h"
 #include "service/mask/median.h"
 #include "shared/result/result.h"
 
 namespace soffit {
 namespace {
 
-struct HueRange {
-  const char* color;
-  double from_deg;  ///< Included; the range may run through 360.
-  double to_deg;    ///< Excluded.
-};
-
-/// Every hue belongs to one colour. Ochre ground lies in `yellow` and sky in `blue`: saturation tells them
-/// apart.
-constexpr std::array<HueRange, 7> kHueRanges = {{{"red", 340.0, 18.0},
-                                                 {"orange", 18.0, 36.0},
-                                                 {"yellow", 36.0, 66.0},
-                                                 {"green", 66.0, 160.0},
-                                                 {"cyan", 160.0, 204.0},
-                                                 {"blue", 204.0, 262.0},
-                                                 {"magenta", 262.0, 340.0}}};
-
-constexpr int kHues = 256;                        // HSV_FULL
 constexpr std::size_t kMinTintedSaturation = 25;  ///< Of 255; below, hues are noise.
 constexpr double kMinModeDistance = 0.18;
 constexpr double kMaxSaturationThreshold = 0.60;
-
-const HueRange* FindHueRange(const std::string& color) {
-  const auto found = std::find_if(kHueRanges.begin(), kHueRanges.end(),
-                                  [&](const HueRange& range) { return color == range.color; });
-  return found == kHueRanges.end() ? nullptr : &*found;
-}
-
-bool Holds(const HueRange& range, double hue_deg) {
-  if (range.from_deg <= range.to_deg) return hue_deg >= range.from_deg && hue_deg < range.to_deg;
-  return hue_deg >= range.from_deg || hue_deg < range.to_deg;
-}
-
-/// For each hue, the 1-based class that it belongs to, or 0.
-std::array<std::uint8_t, kHues> ClassOfHue(const std::vector<std::string>& colors) {
-  std::array<std::uint8_t, kHues> table{};
-  for (std::size_t i = 0; i < colors.size(); ++i) {
-    const HueRange* range = FindHueRange(colors[i]);
-    SOFFIT_EXPECT(range != nullptr);
-    for (int hue = 0; hue < kHues; ++hue) {
-      if (Holds(*range, hue * 360.0 / kHues))
-        table[static_cast<std::size_t>(hue)] = static_cast<std::uint8_t>(i + 1);
-    }
-  }
-  return table;
-}
 
 cv::Mat1b GammaTable(double gamma) {
   cv::Mat1b table(1, 256);
@@ -63,54 +23,58 @@ cv::Mat1b GammaTable(double gamma) {
   return table;
 }
 
+/// Labels the pixels of some rows, which then stay in the cache.
+class BandClassifier {
+ public:
+  BandClassifier(const cv::Mat3b& bgr, const MaskOptions& options)
+      : bgr_(bgr), options_(options), gamma_table_(GammaTable(options.gamma)) {}
+
+  /// The rows as they are classified, filtered and corrected; until the next call.
+  const cv::Mat3b& Classify(cv::Range rows, const ColorClasses& classes, cv::Mat1b labels) {
+    FilterMedian(bgr_, rows, options_.median_px, filtered_);
+    if (options_.gamma != 1.0) cv::LUT(filtered_, gamma_table_, filtered_);
+    for (int row = 0; row < filtered_.rows; ++row) {
+      ClassifyPixels(filtered_.ptr(row), static_cast<std::size_t>(filtered_.cols), classes, labels[row]);
+    }
+    return filtered_;
+  }
+
+ private:
+  const cv::Mat3b& bgr_;
+  const MaskOptions& options_;
+  cv::Mat1b gamma_table_;
+  cv::Mat3b filtered_;
+};
+
 /// By saturation, the sum of the values of pixels: dark ones tell less.
 using Histogram = std::array<std::uint64_t, 256>;
 
-/// All but the last step of the segmentation.
-struct Classified {
-  cv::Mat1b label;  ///< By hue and value alone.
-  cv::Mat1b saturation;
-  std::vector<Histogram> histograms;  ///< By label.
-};
-
-/// Filters, converts and classifies a few rows at a time, which then stay in the cache.
-Classified Classify(const cv::Mat3b& bgr, const MaskOptions& options) {
-  constexpr int kBandRows = 32;
-  const std::array<std::uint8_t, kHues> class_of_hue = ClassOfHue(options.colors);
-  const cv::Mat1b gamma_table = GammaTable(options.gamma);
-  const int min_value = static_cast<int>(std::lround(255.0 * options.min_value));
-  Classified result{cv::Mat1b(bgr.size()), cv::Mat1b(bgr.size()),
-                    std::vector<Histogram>(options.colors.size() + 1)};
-  cv::Mat3b hsv;
-  for (int first = 0; first < bgr.rows; first += kBandRows) {
-    FilterMedian(bgr, cv::Range(first, std::min(first + kBandRows, bgr.rows)), options.median_px, hsv);
-    if (options.gamma != 1.0) cv::LUT(hsv, gamma_table, hsv);
-    cv::cvtColor(hsv, hsv, cv::COLOR_BGR2HSV_FULL);
-    for (int row = 0; row < hsv.rows; ++row) {
-      const cv::Vec3b* pixels = hsv[row];
-      std::uint8_t* labels = result.label[first + row];
-      std::uint8_t* saturations = result.saturation[first + row];
-      for (int col = 0; col < hsv.cols; ++col) {
-        const auto [hue, saturation, value] = pixels[col].val;
-        const std::uint8_t label = value < min_value ? std::uint8_t{0} : class_of_hue[hue];
-        labels[col] = label;
-        saturations[col] = saturation;
-        result.histograms[label][saturation] += value;
+/// For each class and, first, for none: what rows all over the picture show of it, however pale.
+std::vector<Histogram> SampleSaturations(BandClassifier& classifier, cv::Size size,
+                                         const MaskOptions& options) {
+  constexpr int kBands = 64;
+  constexpr int kBandRows = 2;
+  const std::vector<double> however_pale(options.colors.size(), 0.0);
+  const ColorClasses classes = MakeColorClasses(options.colors, options.min_value, however_pale);
+  const int stride = std::max(kBandRows, size.height / kBands / kBandRows * kBandRows);
+  std::vector<Histogram> histograms(options.colors.size() + 1);
+  cv::Mat1b labels(kBandRows, size.width);
+  for (int first = 0; first < size.height; first += stride) {
+    const cv::Range rows(first, std::min(first + kBandRows, size.height));
+    const cv::Mat3b& band = classifier.Classify(rows, classes, labels);
+    for (int row = 0; row < band.rows; ++row) {
+      const cv::Vec3b* pixels = band[row];
+      for (int col = 0; col < band.cols; ++col) {
+        const auto [blue, green, red] = pixels[col].val;
+        const int value = std::max({blue, green, red});
+        if (value == 0) continue;
+        const int range = value - std::min({blue, green, red});
+        histograms[labels(row, col)][static_cast<std::size_t>((255 * range + value / 2) / value)] +=
+            static_cast<std::uint64_t>(value);
       }
     }
   }
-  return result;
-}
-
-/// Labels less saturated than `thresholds` of their class are taken back.
-void DropPale(const cv::Mat1b& saturation, const std::vector<int>& thresholds, cv::Mat1b& label) {
-  for (int row = 0; row < label.rows; ++row) {
-    std::uint8_t* labels = label[row];
-    const std::uint8_t* saturations = saturation[row];
-    for (int col = 0; col < label.cols; ++col) {
-      if (saturations[col] < thresholds[labels[col]]) labels[col] = 0;
-    }
-  }
+  return histograms;
 }
 
 struct Separation {
@@ -165,18 +129,24 @@ Mask SegmentBuildings(const Image& image, const MaskOptions& options) {
   SOFFIT_EXPECT(IsValidOptions(options));
   SOFFIT_EXPECT(options.median_px % 2 == 1);
   SOFFIT_EXPECT(!image.bgr.empty());
-  Classified classified = Classify(image.bgr, options);
+  BandClassifier classifier(image.bgr, options);
+  const std::vector<Histogram> histograms = SampleSaturations(classifier, image.bgr.size(), options);
   Mask mask;
   mask.classes = options.colors;
-  mask.label = classified.label;
   mask.confidence = 1.0;
-  std::vector<int> thresholds(options.colors.size() + 1, 256);
-  for (std::size_t i = 1; i < thresholds.size(); ++i) {
-    const Separation separation = PartSaturations(classified.histograms[i], options.min_saturation);
-    thresholds[i] = static_cast<int>(std::lround(255.0 * separation.threshold));
+  std::vector<double> min_saturations;
+  for (std::size_t i = 1; i < histograms.size(); ++i) {
+    const Separation separation = PartSaturations(histograms[i], options.min_saturation);
+    min_saturations.push_back(separation.threshold);
     mask.confidence = std::min(mask.confidence, separation.confidence);
   }
-  DropPale(classified.saturation, thresholds, mask.label);
+  const ColorClasses classes = MakeColorClasses(options.colors, options.min_value, min_saturations);
+  mask.label = NewPicture(image.bgr.size(), CV_8UC1);
+  constexpr int kBandRows = 32;
+  for (int first = 0; first < image.bgr.rows; first += kBandRows) {
+    const cv::Range rows(first, std::min(first + kBandRows, image.bgr.rows));
+    classifier.Classify(rows, classes, mask.label.rowRange(rows));
+  }
   return mask;
 }
 

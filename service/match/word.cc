@@ -48,13 +48,21 @@ double PriceOf(const Primitive& a, const Primitive& b) {
   return std::abs(a.length - b.length) + kTurnPrice * std::abs(WrapAngle(a.turn_rad - b.turn_rad)) / pi;
 }
 
+struct MergedSide {
+  Primitive side;
+  Vector2d direction = Vector2d::Zero();  ///< Unit.
+};
+
 /// Merged sides of a word, made once: [count - 1][at].
-using Merged = std::array<std::vector<Primitive>, kMaxMerged>;
+using Merged = std::array<std::vector<MergedSide>, kMaxMerged>;
 
 Merged MergeAll(const Word& word) {
   Merged merged;
   for (std::size_t count = 1; count <= kMaxMerged; ++count) {
-    for (std::size_t at = 0; at < word.size(); ++at) merged[count - 1].push_back(Merge(word, at, count));
+    for (std::size_t at = 0; at < word.size(); ++at) {
+      const Primitive side = Merge(word, at, count);
+      merged[count - 1].push_back({side, {std::cos(side.heading_rad), std::sin(side.heading_rad)}});
+    }
   }
   return merged;
 }
@@ -86,16 +94,16 @@ WordAlignment AlignFrom(const Word& a, const Merged& merged_a, const Word& b, co
       for (std::size_t p = 1; p <= kMaxMerged && i + p <= n; ++p) {
         for (std::size_t q = 1; q <= kMaxMerged && j + q <= m; ++q) {
           if (p > 1 && q > 1) continue;
-          const Primitive& side_a = merged_a[p - 1][i];
-          const Primitive& side_b = merged_b[q - 1][at_b];
+          const auto& [side_a, direction_a] = merged_a[p - 1][i];
+          const auto& [side_b, direction_b] = merged_b[q - 1][at_b];
           const double merging =
               p + q == 2 ? 0.0 : kMergePrice + kTurnPrice * 0.5 * (BendOf(a, i, p) + BendOf(b, at_b, q)) / pi;
           const double cost = from.cost + PriceOf(side_a, side_b) + merging;
           Cell& to = cell(i + p, j + q);
           if (cost >= to.cost) continue;
           const double weight = std::min(side_a.length, side_b.length);
-          const double angle = side_b.heading_rad - side_a.heading_rad;
-          to = {cost, from.sine + weight * std::sin(angle), from.cosine + weight * std::cos(angle)};
+          const double sine = direction_a.x() * direction_b.y() - direction_a.y() * direction_b.x();
+          to = {cost, from.sine + weight * sine, from.cosine + weight * direction_a.dot(direction_b)};
         }
       }
     }

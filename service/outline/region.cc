@@ -152,6 +152,15 @@ class Tracer {
   std::vector<bool> is_visited_;
 };
 
+std::vector<Region> SortByArea(std::vector<Region> regions) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < regions.size(); ++i) order.emplace_back(-Area(regions[i].boundary), i);
+  std::sort(order.begin(), order.end());
+  std::vector<Region> sorted;
+  for (const auto& [_, i] : order) sorted.push_back(std::move(regions[i]));
+  return sorted;
+}
+
 }  // namespace
 
 std::vector<Region> TraceRegions(const cv::Mat1b& labels, double min_area_px, std::size_t max_regions) {
@@ -180,9 +189,7 @@ std::vector<Region> TraceRegions(const cv::Mat1b& labels, double min_area_px, st
       }
     }
   }
-  std::stable_sort(regions.begin(), regions.end(),
-                   [](const Region& a, const Region& b) { return Area(a.boundary) > Area(b.boundary); });
-  return regions;
+  return SortByArea(std::move(regions));
 }
 
 }  // namespace soffit

@@ -25,6 +25,7 @@ constexpr double kSidesPerArc = 2.5;  ///< An arc has five numbers, a side two.
 constexpr std::size_t kMinSidesOfArc = 3;
 constexpr std::size_t kMaxArcPoints = 150;  ///< Of longer arcs, not every point is looked at.
 constexpr double kMaxTurnOnArc_rad = 1.3;
+constexpr double kMaxChordRatio = 4.0;     ///< Of the longest chord of an arc to the shortest.
 constexpr double kBulgeRatio = 1.0 / 3.0;  ///< From an arc to its chords, of the tolerance.
 
 /// At most kMaxPoints of the points, evenly.
@@ -139,10 +140,15 @@ void MarkCandidates(const std::vector<Vector2d>& points, std::size_t from, std::
 }
 
 std::size_t FarthestFrom(const std::vector<Vector2d>& points, const Vector2d& center) {
-  const auto farther = [&](const Vector2d& a, const Vector2d& b) {
-    return (a - center).squaredNorm() < (b - center).squaredNorm();
-  };
-  return static_cast<std::size_t>(std::max_element(points.begin(), points.end(), farther) - points.begin());
+  std::size_t farthest = 0;
+  double greatest = -1.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double squared = (points[i] - center).squaredNorm();
+    if (squared <= greatest) continue;
+    greatest = squared;
+    farthest = i;
+  }
+  return farthest;
 }
 
 /// Indices of the points at which a side may end, from `first` on, and once more `first` + n at the end.
@@ -245,7 +251,7 @@ class ArcFinder {
   /// The sides, with one curved side for each run of chords; from after the longest side on.
   std::vector<FitSide> JoinChords() const {
     const std::size_t n = sides_.size();
-    if (CountTurningAlike(0, n + 1) > n) {
+    if (CountAlike(0, n + 1) > n) {
       if (const auto whole = Join(0, n)) return {whole->side};
     }
     const std::size_t begin = FindLongest() + 1;
@@ -276,14 +282,18 @@ class ArcFinder {
     return TurnBetween(SideAt(i).line.direction, SideAt(i + 1).line.direction);
   }
 
-  /// How many sides from `first` on turn gently to the same hand.
-  std::size_t CountTurningAlike(std::size_t first, std::size_t most) const {
+  /// How many sides from `first` on turn gently to the same hand, and are about as long.
+  std::size_t CountAlike(std::size_t first, std::size_t most) const {
     const double hand = TurnAfter(first);
+    double shortest = SideAt(first).line.count;
+    double longest = shortest;
     std::size_t count = 1;
-    while (count < most) {
+    for (; count < most; ++count) {
       const double turn = TurnAfter(first + count - 1);
-      if (turn * hand <= 0.0 || std::abs(turn) > kMaxTurnOnArc_rad) break;
-      ++count;
+      shortest = std::min(shortest, SideAt(first + count).line.count);
+      longest = std::max(longest, SideAt(first + count).line.count);
+      if (turn * hand <= 0.0 || std::abs(turn) > kMaxTurnOnArc_rad || longest > kMaxChordRatio * shortest)
+        break;
     }
     return count;
   }
@@ -292,7 +302,7 @@ class ArcFinder {
   std::optional<Run> JoinLongest(std::size_t first, std::size_t most) const {
     constexpr int kMaxMisses = 2;
     std::optional<Run> best;
-    const std::size_t alike = CountTurningAlike(first, most);
+    const std::size_t alike = CountAlike(first, most);
     int misses = 0;
     for (std::size_t count = kMinSidesOfArc; count <= alike && misses < kMaxMisses; ++count) {
       const std::optional<Run> run = Join(first, count);

@@ -95,6 +95,17 @@ TEST(SegmentBuildings, IsSureOfColoursFarFromTheGround) {
   EXPECT_LT(SegmentBuildings(Scene(kAsphalt, {100, 105, 185}), {}).confidence, 0.6);
 }
 
+TEST(SegmentBuildings, FindsASmallBuildingInAHighPicture) {
+  Image image = Scene(kOchre, kOchre);
+  image.bgr = cv::Mat3b(3000, 400);
+  image.bgr.setTo(kOchre);
+  const cv::Rect building(200, 1711, 40, 30);
+  image.bgr(building).setTo(cv::Scalar(25, 180, 225));
+  const Mask mask = SegmentBuildings(image, {});
+  EXPECT_GT(cv::countNonZero(mask.label(building)), building.area() - 60);
+  EXPECT_LE(cv::countNonZero(mask.label), building.area());
+}
+
 TEST(SegmentBuildings, LabelsInTheOrderOfTheOptions) {
   MaskOptions options;
   options.colors = {"magenta", "green"};
