@@ -26,6 +26,7 @@ constexpr std::size_t kMinGround_px = 100;
 constexpr double kMinToneShare = 0.08;  // Of the ground: a rarer colour may be that of a thing.
 constexpr int kMaxSkyStep = 5;          // Of 255, from pixel to pixel: how fast sky fades.
 constexpr double kMinSkyShare = 2e-4;
+constexpr double kMinOpenSkyShare = 0.03;  // Of the picture.
 constexpr double kChromaReach = 0.022;
 constexpr double kDarkNoise = 4.0;      // Of 255: what noise and JPEG do to the chromaticity of dark pixels.
 constexpr double kDeepestShade = 0.18;  // Of the lit ground's median.
@@ -158,15 +159,30 @@ double LeastSkyBrightness(const cv::Mat3b& smooth, const Horizon& horizon, const
   return values.empty() ? 0.0 : kDarkestSky * Quantile(values, 0.5);
 }
 
+/// 1 where nothing of a building is above: what is seen below a lintel may be a pole as well as sky. Where
+/// buildings leave next to nothing of the sky, all that reaches high.
+cv::Mat1b FindOpenSky(const Horizon& horizon, const cv::Mat1b& seen) {
+  cv::Mat1b high(seen.size(), uchar{0}), open(seen.size(), uchar{0});
+  for (int x = 0; x < seen.cols; ++x) {
+    bool is_open = true;
+    for (int y = 0; y < seen.rows && horizon.Rise(x, y) > kSurelySkyRise; ++y) {
+      is_open = is_open && seen(y, x) == 0;
+      high(y, x) = seen(y, x) == 0 ? 1 : 0;
+      open(y, x) = is_open ? 1 : 0;
+    }
+  }
+  return cv::countNonZero(open) >= kMinOpenSkyShare * static_cast<double>(seen.total()) ? open : high;
+}
+
 /// Sky fades smoothly downward from what is surely sky; the colours met on the way are then sky in openings
 /// too.
 void MarkSky(const cv::Mat3b& smooth, const Horizon& horizon, cv::Mat1b& seen) {
   const double least = LeastSkyBrightness(smooth, horizon, seen);
   ColorSet high;
+  const cv::Mat1b is_open = FindOpenSky(horizon, seen);
   for (int y = 0; y < seen.rows; ++y) {
     for (int x = 0; x < seen.cols; ++x) {
-      const bool is_bright = Brightness(smooth(y, x)) >= least;
-      if (seen(y, x) == 0 && horizon.Rise(x, y) > kSurelySkyRise && is_bright) high.Add(smooth(y, x));
+      if (is_open(y, x) != 0 && Brightness(smooth(y, x)) >= least) high.Add(smooth(y, x));
     }
   }
   high.Close(kMinSkyShare);

@@ -6,6 +6,7 @@
 
 #include "service/facade/median.h"
 #include "service/scene/bar.h"
+#include "service/scene/continuation.h"
 
 namespace soffit {
 namespace {
@@ -148,6 +149,7 @@ Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::M
   is_disguised_ = FindDisguised(sight, prediction);
   fails_.setTo(1, is_disguised_);
   FindThings(sight, prediction);
+  FollowThingsDown(sight, prediction, region);
   NoteUnconfirmedGround(sight, prediction, confirmed, region);
   cv::Mat1f least;
   cv::erode(reach_m_, least, Square(kEdge_px));
@@ -242,6 +244,32 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
       component_(run).setTo(static_cast<int>(things_.size()));
     }
     things_.push_back({0.0F, bar.far_m});
+  }
+}
+
+/// A thing may end at far ground because it goes on in the ground's colours. These prove nothing then; nor do
+/// they in other pictures, if it stands within the region or before the model.
+void Evidence::FollowThingsDown(const Sight& sight, const Prediction& prediction,
+                                const Eigen::AlignedBox2d& region) {
+  cv::Mat1b strange(component_.size(), uchar{0});
+  std::vector<int> area(things_.size(), 0);
+  for (const int component : component_) ++area[static_cast<std::size_t>(component)];
+  std::transform(component_.begin(), component_.end(), strange.begin(), [&](int component) {
+    return component != 0 && area[static_cast<std::size_t>(component)] >= kMinThing_px ? uchar{255}
+                                                                                       : uchar{0};
+  });
+  for (const Continuation& body : FollowDown(sight, strange, MisfitReach(sight.view, prediction))) {
+    const auto is_within = [&](const Continuation::Row& row) {
+      const auto ground = MeetHorizontalPlane(view_, {0.5 * (row.left + row.right), row.y + 0.5}, 0.0);
+      return ground && region.contains(*ground);
+    };
+    if (is_within(body.rows.front())) continue;
+    const bool is_near = body.meets_structure || is_within(body.rows.back());
+    for (const Continuation::Row& row : body.rows) {
+      const cv::Rect covered(row.left, row.y, row.right - row.left + 1, 1);
+      fails_(covered) = 1;
+      if (is_near) is_disguised_(covered) = 255;
+    }
   }
 }
 

@@ -86,13 +86,14 @@ class Evidence {
   void NoteUnconfirmedGround(const Sight& sight, const Prediction& prediction, const cv::Mat1b& confirmed,
                              const Eigen::AlignedBox2d& region);
   void FindThings(const Sight& sight, const Prediction& prediction);
+  void FollowThingsDown(const Sight& sight, const Prediction& prediction, const Eigen::AlignedBox2d& region);
   void SumUp(const Prediction& prediction);
 
   std::uint32_t capture_id_ = 0;
   View view_;
   Eigen::Matrix3d turn_;    ///< Turns vectors of the map into camera coordinates.
   cv::Mat1b fails_;         ///< 1: the pixel proves nothing.
-  cv::Mat1b is_disguised_;  ///< 255: coloured like background, and yet it covers a part of the model.
+  cv::Mat1b is_disguised_;  ///< 255: coloured like background, and yet part of a thing that is near.
   cv::Mat1b is_doubtful_;   ///< 1: what it proves is kPerhaps.
   cv::Mat1f reach_m_;       ///< Free depth, the least within the edge tolerance.
   cv::Mat1i fail_sum_;      ///< Integral picture of `fails_`.

@@ -31,6 +31,20 @@ TEST(LabelSight, TakesADarkPoleForUnexplained) {
   EXPECT_EQ(At(seeing.sights.front(), {0.0, -1.3, 0.5}), Seen::kUnexplained);
 }
 
+TEST(LabelSight, LearnsNoSkyFromWhatIsSeenBelowALintel) {
+  const Arch tall{1.6, 2.1};
+  const test::Thing pole = test::Block(test::Box(-0.06, -0.06, 0.06, 0.06), 0.0, 2.05, {170, 166, 162});
+  const auto seeing = Look({test::FromSouth()}, {tall.thing(), pole});
+  EXPECT_EQ(At(seeing.sights.front(), {0.0, -0.06, 1.9}), Seen::kUnexplained);
+  EXPECT_EQ(At(seeing.sights.front(), {0.4, -0.06, 1.9}), Seen::kSky);
+}
+
+TEST(LabelSight, KnowsTheSkyInAnOpeningThatIsAllThatIsSeenOfIt) {
+  const test::Thing board = test::Block(test::Box(-9.0, -0.75, 9.0, 0.75), 2.1, 9.0, test::kBlueWall);
+  const auto seeing = Look({test::FromSouth()}, {Arch{1.6, 2.1}.thing(), board});
+  EXPECT_EQ(At(seeing.sights.front(), {0.0, 20.0, 4.0}), Seen::kSky);
+}
+
 TEST(LabelSight, GivesTheSameBytesTwice) {
   const auto a = Look({test::FromSouth()}, {Arch{}.thing()});
   const auto b = Look({test::FromSouth()}, {Arch{}.thing()});

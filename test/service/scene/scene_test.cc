@@ -80,6 +80,23 @@ TEST(BuildScene, TakesNoBarForGroundThatGoesOnBeforeTheJambs) {
   EXPECT_NE(At(Build(Look(views, {Arch{}.thing(), bar}).sights), 0.0, -0.9, 0.35), Space::kFree);
 }
 
+TEST(BuildScene, TakesNoPoleForGroundAndSomethingHoveringAboveIt) {
+  // Before the sky it is strange, before the ground it is as grey as that.
+  const test::Thing pole = test::Block(test::Box(-0.05, -0.05, 0.05, 0.05), 0.0, 1.45, {95, 97, 98});
+  const std::vector<View> views = {test::FromSouth(), test::FromNorth()};
+  const Scene scene = Build(Look(views, {Arch{}.thing(), pole}).sights);
+  EXPECT_NE(At(scene, 0.02, 0.02, 1.27), Space::kFree);
+  EXPECT_NE(At(scene, 0.02, 0.02, 0.87), Space::kFree);
+}
+
+TEST(BuildScene, LetsFarGreyThingsBehindLeaveAPassageFree) {
+  const test::Thing north = test::Block(test::Box(-0.5, 40.0, 0.4, 42.0), 0.0, 3.0, {95, 97, 98});
+  const test::Thing south = test::Block(test::Box(-0.4, -42.0, 0.6, -40.0), 0.0, 3.0, {95, 97, 98});
+  const std::vector<View> views = {test::FromSouth(), test::FromNorth()};
+  const Scene scene = Build(Look(views, {Arch{}.thing(), north, south}).sights);
+  for (const double z : {0.27, 0.72, 1.07, 1.32}) EXPECT_EQ(At(scene, 0.02, 0.02, z), Space::kFree) << z;
+}
+
 TEST(BuildScene, PlacesAPoleWhereItStands) {
   const test::Thing pole = test::Block(test::Box(-0.05, -1.3, 0.05, -1.2), 0.0, 2.5, {30, 60, 30});
   const View aside = test::LevelView({-3.0, -4.5, 1.1}, 0.95);
