@@ -39,6 +39,15 @@ Block FindBlock(const ObjectTruth& object) {
   return {turn.inverse() * ((low + high) / 2), -turn.angle(), high - low, object.height_m};
 }
 
+/// The best way under or through it leads from side 1 to side 3, or back.
+bool LeadsAlong(const ObjectTruth& object) {
+  if (object.passages.empty()) return false;
+  const double yaw_rad = FindBlock(object).yaw_rad;
+  const Vector2d longest(std::cos(yaw_rad), std::sin(yaw_rad));
+  const Vector2d way = (object.passages[0].exit_m - object.passages[0].entry_m).head<2>();
+  return std::abs(way.dot(longest)) > way.norm() * std::sqrt(0.5);
+}
+
 Pose<Map, Camera> Shake(const Pose<Map, Camera>& pose, double position_m, double angle_rad, Dice& dice) {
   const Vector3d turn(dice.Normal(), dice.Normal(), dice.Normal());
   const Eigen::Quaterniond rotation(Eigen::AngleAxisd(angle_rad * turn.norm(), turn.normalized()));
@@ -124,7 +133,7 @@ std::vector<SurveyFrame> PlanFrames(const World& world, const Truth& truth, Dice
   }
   for (const ObjectTruth& object : truth.objects) {
     if (!object.is_wanted || object.is_absent) continue;
-    const bool has_left = dice.Chance(0.5);
+    const bool has_left = dice.Chance(0.5) || LeadsAlong(object);
     for (const int side : {0, 1, 2}) planner.AddWall(object, side);
     if (has_left) planner.AddWall(object, 3);
   }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "test/sim/survey/frames.h"
 #include "test/sim/survey/reference.h"
 
 namespace soffit::sim {
@@ -57,6 +58,28 @@ TEST(DrawReference, TurnsTheBuildingBackByTheRotation) {
   const cv::Mat1b slanted = DrawReference(world);
   EXPECT_EQ(slanted(slanted.rows / 2 - 15, slanted.cols / 2 + 27), 0);
   EXPECT_EQ(slanted(slanted.rows / 2 + 15, slanted.cols / 2 + 27), 255);
+}
+
+TEST(PlanFrames, LooksIntoAWayThroughLengthwiseFromBothEnds) {
+  const Result<World> world = ParseWorld(
+      "camera: {width_px: 64, height_px: 48, fx_px: 40}\nvehicle: {radius_m: 0.3, height_m: 0.3, "
+      "safety_margin_m: 0.2}\nmission: {wanted: [a]}\nbuildings: [{id: a, parts: [{axis: [0, 1], depth: [-3, "
+      "3], "
+      "profile: [[-1.6, 0], [-0.9, 0], [-0.9, 1.5], [0.9, 1.5], [0.9, 0], [1.6, 0], [1.6, 2.4], [-1.6, "
+      "2.4]]}]}]",
+      "test.yaml", ".");
+  ASSERT_TRUE(world.ok()) << world.error().message;
+  const Truth truth = FindTruth(world.value());
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    Dice dice(seed);
+    const std::vector<SurveyFrame> frames = PlanFrames(world.value(), truth, dice);
+    for (const double outward_y : {-1.0, 1.0}) {
+      const bool is_seen = std::any_of(frames.begin(), frames.end(), [&](const SurveyFrame& frame) {
+        return frame.purpose == Purpose::kWall && std::sin(frame.wall_yaw_rad) * outward_y > 0.9;
+      });
+      EXPECT_TRUE(is_seen) << "seed " << seed << ", end " << outward_y;
+    }
+  }
 }
 
 TEST_F(SurveyTest, HasPicturesPosesAndTruth) {
