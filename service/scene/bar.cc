@@ -11,32 +11,39 @@ namespace soffit {
 namespace {
 
 constexpr int kStep_px = 2;          // A side of a bar is looked for across twice that.
-constexpr int kContrast = 16;        // Of 255, in one channel, across a side.
+constexpr int kContrast = 16;        // Of 255, in one channel, across a side,
+constexpr int kWeakContrast = 8;     // where a strip that is known goes on.
 constexpr int kMinWidth_px = 3;      // Between both sides.
 constexpr double kMaxWidth = 0.1;    // Of the picture's.
-constexpr int kMaxGap_px = 12;       // Rows that may not show it.
+constexpr int kMaxGap_px = 12;       // Rows that may not show it, or half as many as showed it before.
 constexpr int kMaxDrift_px = 2;      // Of a side, from row to row, and
 constexpr int kMaxDriftShare = 8;    // one of so many parts of the width: a broad bar has blurred sides.
 constexpr int kMinCrossing_px = 12;  // Rows before background.
-constexpr int kMinCover_px = 4;      // Rows before the model, next to those.
-constexpr int kBeside_px = 4;        // Where the model has to be seen beside it.
+constexpr int kMinCover_px = 4;      // Rows before the model.
+constexpr int kMinInSky_px = 12;     // Rows before the sky, where it does not look like sky.
+constexpr double kFootShare = 0.12;  // Of the depth of a foot: how well it is known.
+constexpr double kFootSigmas = 2.0;
+constexpr int kBeside_px = 4;  // Where the model has to be seen beside it.
 
 /// Where a row of the picture shows something that stands out on both sides.
 struct Run {
   int y = 0;
   int left = 0;
   int right = 0;
+  bool is_strong = false;
   int Middle() const { return (left + right) / 2; }
 };
 
 using Strip = std::vector<Run>;  ///< Downward.
 
-/// What FindBars() needs of a picture; upright bars are looked for.
+/// What FindBars() needs of a picture, turned so that bars are upright in it.
 struct Canvas {
   cv::Mat3b bgr;
   cv::Mat1b seen;
   cv::Mat1b predicted;
   cv::Mat1f depth_m;
+  bool is_upright = true;
+  double slope_std = 0.0;  ///< Of the depth of a place on the ground, over its square.
 
   bool IsSeenModel(int y, int x) const {
     return x >= 0 && x < seen.cols && seen(y, x) == static_cast<uchar>(Seen::kStructure);
@@ -60,7 +67,7 @@ std::vector<Side> FindSides(const cv::Mat3b& bgr, int y) {
     const cv::Vec3b& left = bgr(y, x - kStep_px);
     const cv::Vec3b& right = bgr(y, x + kStep_px);
     const Side side{x, {right[0] - left[0], right[1] - left[1], right[2] - left[2]}};
-    if (side.Height() < kContrast) continue;
+    if (side.Height() < kWeakContrast) continue;
     const bool is_same = !sides.empty() && x - sides.back().x <= kStep_px;
     if (!is_same) {
       sides.push_back(side);
@@ -71,18 +78,22 @@ std::vector<Side> FindSides(const cv::Mat3b& bgr, int y) {
   return sides;
 }
 
-/// Whether what is between both sides is darker, or brighter, than what is beside.
-bool StandsOut(const Side& left, const Side& right) {
+/// By how much what is between both sides is darker, or brighter, than what is beside.
+int Contrast(const Side& left, const Side& right) {
+  int contrast = 0;
   for (int c = 0; c < 3; ++c) {
-    const int smaller = std::min(std::abs(left.jump[c]), std::abs(right.jump[c]));
-    if (smaller >= kContrast && (left.jump[c] < 0) != (right.jump[c] < 0)) return true;
+    if ((left.jump[c] < 0) != (right.jump[c] < 0))
+      contrast = std::max(contrast, std::min(std::abs(left.jump[c]), std::abs(right.jump[c])));
   }
-  return false;
+  return contrast;
 }
 
-bool GoesOn(const Run& from, const Run& to) {
+int MostGap(const Strip& strip) { return std::max(kMaxGap_px, static_cast<int>(strip.size() / 2)); }
+
+bool GoesOn(const Strip& strip, const Run& to) {
+  const Run& from = strip.back();
   const int drift_px = kMaxDrift_px + (from.right - from.left) / kMaxDriftShare;
-  return to.y > from.y && to.y - from.y <= kMaxGap_px && std::abs(to.left - from.left) <= drift_px &&
+  return to.y > from.y && to.y - from.y <= MostGap(strip) && std::abs(to.left - from.left) <= drift_px &&
          std::abs(to.right - from.right) <= drift_px;
 }
 
@@ -92,18 +103,19 @@ std::vector<Strip> FindStrips(const Canvas& canvas) {
   for (int y = 0; y < canvas.bgr.rows; ++y) {
     const std::vector<Side> sides = FindSides(canvas.bgr, y);
     for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-      const Run run{y, sides[i].x, sides[i + 1].x};
+      const int contrast = Contrast(sides[i], sides[i + 1]);
+      const Run run{y, sides[i].x, sides[i + 1].x, contrast >= kContrast};
       const int width_px = run.right - run.left;
-      if (width_px < kMinWidth_px || width_px > most_px || !StandsOut(sides[i], sides[i + 1])) continue;
+      if (width_px < kMinWidth_px || width_px > most_px || contrast < kWeakContrast) continue;
       const auto before =
-          std::find_if(growing.begin(), growing.end(), [&](const Strip& s) { return GoesOn(s.back(), run); });
-      if (before == growing.end()) {
-        growing.push_back({run});
-      } else {
+          std::find_if(growing.begin(), growing.end(), [&](const Strip& s) { return GoesOn(s, run); });
+      if (before != growing.end()) {
         before->push_back(run);
+      } else if (run.is_strong) {
+        growing.push_back({run});
       }
     }
-    const auto is_ended = [&](const Strip& strip) { return y - strip.back().y > kMaxGap_px; };
+    const auto is_ended = [&](const Strip& strip) { return y - strip.back().y > MostGap(strip); };
     std::copy_if(growing.begin(), growing.end(), std::back_inserter(ended), is_ended);
     std::erase_if(growing, is_ended);
   }
@@ -111,42 +123,51 @@ std::vector<Strip> FindStrips(const Canvas& canvas) {
   return ended;
 }
 
-/// What a strip covers of the model, from a run on, away from the opening.
-struct Cover {
-  std::ptrdiff_t runs = 0;
-  float depth_m = 0.0F;  ///< The greatest; 0 when the model has none there.
-  bool IsProof() const { return runs >= kMinCover_px && depth_m > 0.0F; }
+/// What a strip covers.
+struct Covered {
+  int background = 0;          ///< Runs with background on both sides,
+  int mixed = 0;               ///< on one side,
+  int model = 0;               ///< and on none.
+  int sky = 0;                 ///< Runs where sky is expected and something else is seen.
+  float model_depth_m = 0.0F;  ///< The greatest; 0 when the model has none there.
 };
 
-template <class Iterator>
-Cover FollowCover(const Canvas& canvas, Iterator from, Iterator end) {
-  Cover cover;
-  for (; from != end && canvas.CountModelBeside(*from) == 2; ++from, ++cover.runs) {
-    if (canvas.predicted(from->y, from->Middle()) == static_cast<uchar>(Seen::kStructure))
-      cover.depth_m = std::max(cover.depth_m, canvas.depth_m(from->y, from->Middle()));
+Covered FindCovered(const Canvas& canvas, const Strip& strip) {
+  Covered covered;
+  for (const Run& run : strip) {
+    const int beside = canvas.CountModelBeside(run);
+    ++(beside == 0 ? covered.background : beside == 1 ? covered.mixed : covered.model);
+    const auto predicted = static_cast<Seen>(canvas.predicted(run.y, run.Middle()));
+    const auto seen = static_cast<Seen>(canvas.seen(run.y, run.Middle()));
+    covered.sky += predicted == Seen::kSky && seen != Seen::kSky ? 1 : 0;
+    if (beside == 2 && predicted == Seen::kStructure)
+      covered.model_depth_m = std::max(covered.model_depth_m, canvas.depth_m(run.y, run.Middle()));
   }
-  return cover;
+  return covered;
 }
 
-/// The part of a strip that crosses an opening, with what it covers of the model at its ends.
+/// Depth of the ground where the strip ends on it.
+std::optional<float> FootDepth(const Canvas& canvas, const Strip& strip) {
+  const Run& foot = strip.back();
+  if (!canvas.is_upright || foot.y + kBeside_px >= canvas.predicted.rows) return std::nullopt;
+  if (canvas.predicted(foot.y, foot.Middle()) != static_cast<uchar>(Seen::kGround)) return std::nullopt;
+  return canvas.depth_m(foot.y, foot.Middle());
+}
+
 std::optional<Bar> Judge(const Canvas& canvas, const Strip& strip) {
-  const auto crosses = [&](const Run& run) { return canvas.CountModelBeside(run) == 0; };
-  const auto is_within = [&](const Run& run) { return canvas.CountModelBeside(run) < 2; };
-  const auto first = std::find_if(strip.begin(), strip.end(), is_within);
-  const auto last = std::find_if(strip.rbegin(), strip.rend(), is_within).base();
-  if (first >= last) return std::nullopt;
-  const auto crossing = std::count_if(first, last, crosses);
-  if (crossing < kMinCrossing_px || 4 * crossing < last - first) return std::nullopt;
-  const Cover above = FollowCover(canvas, std::make_reverse_iterator(first), strip.rend());
-  const Cover below = FollowCover(canvas, last, strip.end());
-  if (!above.IsProof() && !below.IsProof()) return std::nullopt;
+  const Covered covered = FindCovered(canvas, strip);
+  if (covered.background < kMinCrossing_px || covered.background < covered.mixed / 3) return std::nullopt;
+  const bool is_before_model = covered.model >= kMinCover_px && covered.model_depth_m > 0.0F;
+  const auto foot_m = FootDepth(canvas, strip);
+  if (!is_before_model && !(foot_m && covered.sky >= kMinInSky_px)) return std::nullopt;
   Bar bar;
-  bar.far_m = std::numeric_limits<float>::infinity();
-  for (const Cover& cover : {above, below}) {
-    if (cover.IsProof()) bar.far_m = std::min(bar.far_m, cover.depth_m);
+  bar.far_m = is_before_model ? covered.model_depth_m : std::numeric_limits<float>::infinity();
+  if (foot_m) {
+    const float share = static_cast<float>(kFootShare + canvas.slope_std * *foot_m);
+    bar.near_m = (1.0F - share) * *foot_m;
+    bar.far_m = std::min(bar.far_m, (1.0F + share) * *foot_m);
   }
-  for (auto run = first - above.runs; run != last + below.runs; ++run)
-    bar.runs_px.emplace_back(run->left, run->y, run->right - run->left + 1, 1);
+  for (const Run& run : strip) bar.runs_px.emplace_back(run.left, run.y, run.right - run.left + 1, 1);
   return bar;
 }
 
@@ -160,6 +181,7 @@ std::vector<Bar> FindUpright(const Canvas& canvas) {
 
 Canvas Turn(const Canvas& canvas) {
   Canvas turned;
+  turned.is_upright = false;
   cv::transpose(canvas.bgr, turned.bgr);
   cv::transpose(canvas.seen, turned.seen);
   cv::transpose(canvas.predicted, turned.predicted);
@@ -171,6 +193,8 @@ Canvas Turn(const Canvas& canvas) {
 
 std::vector<Bar> FindBars(const Sight& sight, const Prediction& prediction) {
   Canvas canvas{{}, sight.seen, prediction.label, prediction.depth_m};
+  canvas.slope_std = kFootSigmas * sight.view.orientation_std_rad /
+                     std::max(0.1, sight.view.map_from_camera.translation_m.z());
   cv::GaussianBlur(sight.bgr, canvas.bgr, cv::Size(3, 3), 0.0);
   std::vector<Bar> bars = FindUpright(canvas);
   for (Bar& bar : FindUpright(Turn(canvas))) {

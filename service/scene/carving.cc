@@ -49,8 +49,7 @@ void Carving::AddTo(const Block& block, const Evidence& picture) {
   const Grid& grid = voxels_.grid;
   if (block.edge == 1) {
     const std::size_t number = grid.Number(x, y, z);
-    if (voxels_.states[number] != Voxel::kSolid && !proofs_[number].is_surely_free)
-      AddTo(number, picture, grid.Center(x, y, z));
+    if (voxels_.states[number] != Voxel::kSolid) AddTo(number, picture, grid.Center(x, y, z));
     return;
   }
   const int half = block.edge / 2;
@@ -82,6 +81,8 @@ void Carving::AddTo(std::size_t number, const Evidence& picture, const Eigen::Ve
   using Sees = Evidence::Sees;
   Proof& proof = proofs_[number];
   const double reach_m = Reach(voxels_.grid.voxel_m);
+  if (picture.ShowsBarWithin(center, reach_m)) proof.has_bar = true;
+  if (proof.is_surely_free && !proof.has_bar) return;
   const Sees sees = picture.SeeThrough(center, reach_m);
   if (sees == Sees::kSure) proof.is_surely_free = true;
   if (sees == Sees::kSure || sees == Sees::kLikely) proof.is_likely_free = true;
@@ -135,11 +136,11 @@ Voxels Carving::Judge() const {
 
 Voxel Carving::Judge(std::size_t number, const Eigen::Vector3d& center) const {
   const Proof& proof = proofs_[number];
-  if (proof.is_surely_free) return Voxel::kFree;
+  if (proof.is_surely_free && !proof.has_bar) return Voxel::kFree;
   const Parts parts = proof.has_parts ? parts_.at(number) : Parts{};
-  if (parts.sure == kAll) return Voxel::kFree;
+  if (parts.sure == kAll && !proof.has_bar) return Voxel::kFree;
   if (proof.shows_things && Cosine(things_.at(number), center) < kOtherDirection) return Voxel::kThing;
-  if (proof.is_disputed) return Voxel::kUnknown;
+  if (proof.is_disputed || proof.has_bar) return Voxel::kUnknown;
   return proof.is_likely_free || parts.AreFree() ? Voxel::kFree : Voxel::kUnknown;
 }
 

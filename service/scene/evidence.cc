@@ -169,6 +169,12 @@ void Evidence::SumUp(const Prediction& prediction) {
   cv::integral(is_doubtful_, doubt_sum_, CV_32S);
   cv::integral(is_ground, ground_sum_, CV_32S);
   cv::integral(is_thing, thing_sum_, CV_32S);
+  cv::Mat1b is_bar(component_.size(), uchar{0});
+  std::transform(component_.begin(), component_.end(), is_bar.begin(), [&](int component) {
+    const auto number = static_cast<std::size_t>(component);
+    return number >= first_bar_ && things_[number].near_m > 0.0F ? uchar{1} : uchar{0};
+  });
+  cv::integral(is_bar, bar_sum_, CV_32S);
   cv::Mat1f free_m = reach_m_.clone();
   free_m.setTo(0.0F, fails_);
   free_.emplace(reach_m_, free_m);
@@ -238,12 +244,13 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
     thing.near_m = static_cast<float>((1.0 - kFootShare) * depth_m);
     thing.far_m = static_cast<float>((1.0 + kFootShare) * depth_m + width_m);
   }
+  first_bar_ = things_.size();
   for (const Bar& bar : FindBars(sight, prediction)) {
     for (const cv::Rect& run : bar.runs_px) {
       fails_(run).setTo(1);
       component_(run).setTo(static_cast<int>(things_.size()));
     }
-    things_.push_back({0.0F, bar.far_m});
+    things_.push_back({bar.near_m, bar.far_m});
   }
 }
 
@@ -304,6 +311,23 @@ bool Evidence::ShowsThingAt(const Eigen::Vector3d& point_in_map_m) const {
   if (!pixel) return false;
   const Thing& thing = things_[static_cast<std::size_t>(component_(*pixel))];
   return thing.far_m > 0.0F && p.z() >= thing.near_m && p.z() <= thing.far_m;
+}
+
+bool Evidence::ShowsBarWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
+  const std::optional<Target> target = About(center_in_map_m, radius_m);
+  if (!target || Count(bar_sum_, target->window) == 0) return false;
+  const double depth_m = InCamera(center_in_map_m).z();
+  const Window& w = target->window;
+  for (int y = w.y0; y <= w.y1; ++y) {
+    for (int x = w.x0; x <= w.x1; ++x) {
+      const auto number = static_cast<std::size_t>(component_(y, x));
+      if (number < first_bar_) continue;
+      const Thing& bar = things_[number];
+      if (bar.near_m > 0.0F && depth_m + radius_m >= bar.near_m && depth_m - radius_m <= bar.far_m)
+        return true;
+    }
+  }
+  return false;
 }
 
 bool Evidence::ShowsDisguiseAt(const Eigen::Vector3d& point_in_map_m) const {

@@ -44,6 +44,10 @@ class Evidence {
   /// may be far away.
   bool ShowsThingAt(const Eigen::Vector3d& point_in_map_m) const;
 
+  /// Whether a bar whose foot is seen may stand within the ball. Pictures that are farther off may not show
+  /// it.
+  bool ShowsBarWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
+
   /// Whether this point is before or behind something that is coloured like background and yet covers a part
   /// of the model: there, that colour proves nothing in other pictures either.
   bool ShowsDisguiseAt(const Eigen::Vector3d& point_in_map_m) const;
@@ -101,7 +105,9 @@ class Evidence {
   cv::Mat1i doubt_sum_;     ///< and of what is kPerhaps.
   cv::Mat1i component_;     ///< Index into `things_`; 0: none.
   std::vector<Thing> things_;
-  cv::Mat1i thing_sum_;  ///< Integral picture of where a thing of known depth or a disguise shows.
+  std::size_t first_bar_ = 0;  ///< From there on, `things_` are bars.
+  cv::Mat1i thing_sum_;        ///< Integral picture of where a thing of known depth or a disguise shows.
+  cv::Mat1i bar_sum_;          ///< And of where a bar shows whose foot is seen.
   std::optional<RangePyramid> free_;  ///< Of `reach_m_`; the greatest leaves out what fails.
 };
 

@@ -47,11 +47,32 @@ TEST(FindBars, FindsABeamFromJambToJamb) {
   EXPECT_LE(bars[0].far_m, 5.75F);
 }
 
-TEST(FindBars, DoesNotTakeForOneWhatStandsFarBehind) {
-  const test::Thing mast = test::Block(test::Box(0.6, 9.0, 1.0, 9.4), 0.0, 9.0, kDark);
-  const test::Thing hedge = test::Block(test::Box(-9.0, 12.0, 9.0, 12.5), 0.0, 1.4, kDark);
-  EXPECT_THAT(Find(test::FromSouth(), {mast}), IsEmpty());
-  EXPECT_THAT(Find(test::FromSouth(), {hedge}), IsEmpty());
+TEST(FindBars, PutsAMastThatStandsFarBehindWhereItStands) {
+  for (const Bar& bar :
+       Find(test::FromSouth(), {test::Block(test::Box(0.6, 9.0, 1.0, 9.4), 0.0, 9.0, kDark)})) {
+    EXPECT_GT(bar.near_m, 10.0F);
+    EXPECT_LT(bar.near_m, 14.0F);
+    EXPECT_GT(bar.far_m, 14.0F);
+  }
+}
+
+TEST(FindBars, PutsAPoleInFrontOnItsFoot) {
+  const auto bars = Find(test::FromSouth(), {PoleAt(0.2, -2.0, {98, 100, 102})});
+  ASSERT_THAT(bars, SizeIs(1));
+  EXPECT_LT(bars[0].near_m, 3.0F);
+  EXPECT_GT(bars[0].near_m, 2.2F);
+  EXPECT_GT(bars[0].far_m, 3.0F);
+  EXPECT_LT(bars[0].far_m, 3.8F);
+}
+
+TEST(FindBars, DoesNotTakeAHedgeBehindForOne) {
+  EXPECT_THAT(Find(test::FromSouth(), {test::Block(test::Box(-9.0, 12.0, 9.0, 12.5), 0.0, 1.4, kDark)}),
+              IsEmpty());
+}
+
+TEST(FindBars, DoesNotTakeAMarkOnTheGroundForOne) {
+  const test::Thing mark = test::Block(test::Box(0.1, -3.0, 0.2, 6.0), -0.01, 0.0005, kDark);
+  EXPECT_THAT(Find(test::FromSouth(), {mark}), IsEmpty());
 }
 
 TEST(FindBars, DoesNotTakeTheSideOfAPassageForOne) {
