@@ -83,7 +83,7 @@ TEST(MakeSceneMarkers, DeletesAllEarlierOnesFirst) {
 TEST(MakeSceneMarkers, DrawsEverythingOfTheScene) {
   const auto arch = test::ArchUnderstanding();
   Scene scene = arch.scene;
-  scene.obstacles = {{{1, -2, 0}, 0.2, 1.5, 0.01, {}}};
+  scene.obstacles = {{{1, -2, 0}, 0.2, 1.5, false, 0.01, {}}};
   const auto all = MakeSceneMarkers(kStamp, scene, arch.decisions);
   EXPECT_THAT(Named(all, "footprints"), SizeIs(4)) << "two buildings, on the ground and at the roof";
   ASSERT_THAT(Named(all, "models"), SizeIs(1));
