@@ -79,7 +79,7 @@ Capture SomeCapture(std::uint64_t mission_id, std::uint32_t capture_id) {
 SceneSnapshot SomeScene(std::uint64_t mission_id, std::uint64_t revision) {
   auto all = std::make_shared<Understanding>(test::ArchUnderstanding());
   all->scene.revision = revision;
-  all->scene.clutter = {{{1, 2, 0}, 0.3, 0.0, 0.1, {1, 2}}};
+  all->scene.clutter = {{{1, 2, 0}, 0.3, 0.0, false, 0.1, {1, 2}}};
   SceneSnapshot snapshot;
   snapshot.origin = {1, mission_id, revision};
   snapshot.stamp_utc_ns = 1'700'000'000'000'000'000 + static_cast<std::int64_t>(revision);
