@@ -86,7 +86,7 @@ void Carving::AddTo(std::size_t number, const Evidence& picture, const Eigen::Ve
   const Sees sees = picture.SeeThrough(center, reach_m);
   if (sees == Sees::kSure) proof.is_surely_free = true;
   if (sees == Sees::kSure || sees == Sees::kLikely) proof.is_likely_free = true;
-  if (sees == Sees::kNothing && picture.ShowsDisguiseAt(center)) proof.is_disputed = true;
+  if (sees == Sees::kNothing && picture.DistrustsColorAt(center)) proof.is_disputed = true;
   if (sees == Sees::kNothing && picture.ShowsThingAt(center)) {
     proof.shows_things = true;
     Widen(things_[number], center);

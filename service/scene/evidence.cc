@@ -7,6 +7,8 @@
 #include "service/facade/median.h"
 #include "service/scene/bar.h"
 #include "service/scene/continuation.h"
+#include "service/scene/ground_check.h"
+#include "service/scene/labels.h"
 
 namespace soffit {
 namespace {
@@ -23,43 +25,6 @@ constexpr int kSameColor = 12;       // Of 255, in each channel.
 constexpr double kShade = 0.6;       // Of the brightness that half of the ground has.
 constexpr int kMinCovered_px = 12;   // Of the model: less does not tell that a thing is before it.
 constexpr double kFootShare = 0.12;  // Of the depth of a thing's foot: how well it is known.
-
-cv::Mat Square(int reach) {
-  return cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * reach + 1, 2 * reach + 1));
-}
-
-cv::Mat1b Only(const cv::Mat1b& labels, Seen wanted) {
-  cv::Mat1b mask;
-  cv::compare(labels, static_cast<double>(wanted), mask, cv::CMP_EQ);
-  return mask;
-}
-
-cv::Mat1b Both(const cv::Mat1b& a, const cv::Mat1b& b) {
-  cv::Mat1b both;
-  cv::bitwise_and(a, b, both);
-  return both;
-}
-
-cv::Mat1b Either(const cv::Mat1b& a, const cv::Mat1b& b) {
-  cv::Mat1b either;
-  cv::bitwise_or(a, b, either);
-  return either;
-}
-
-cv::Mat1b Grow(const cv::Mat1b& mask, int reach) {
-  cv::Mat1b grown;
-  cv::dilate(mask, grown, Square(reach));
-  return grown;
-}
-
-/// What lies no farther than `reach` from the mask's boundary, on either side.
-cv::Mat1b Border(const cv::Mat1b& mask, int reach) {
-  cv::Mat1b grown, shrunk, border;
-  cv::dilate(mask, grown, Square(reach));
-  cv::erode(mask, shrunk, Square(reach));
-  cv::subtract(grown, shrunk, border);
-  return border;
-}
 
 int Brightness(const cv::Vec3b& color) { return color[0] + color[1] + color[2]; }
 
@@ -109,8 +74,7 @@ cv::Point SomePixel(const cv::Mat1i& regions, int region, const cv::Rect& bounds
 /// the model, farther than it is wide (a model that is wrong shows background along its edge). 255 there and
 /// wherever it goes on in the same colour.
 cv::Mat1b FindDisguised(const Sight& sight, const Prediction& prediction) {
-  cv::Mat1b within;
-  cv::erode(Only(prediction.label, Seen::kStructure), within, Square(kSeam_px));
+  const cv::Mat1b within = Shrink(Only(prediction.label, Seen::kStructure), kSeam_px);
   const cv::Mat1b background = Either(Only(sight.seen, Seen::kGround), Only(sight.seen, Seen::kSky));
   cv::Mat1b beside;
   cv::bitwise_not(within, beside);
@@ -138,21 +102,24 @@ cv::Mat1b FindDisguised(const Sight& sight, const Prediction& prediction) {
 
 }  // namespace
 
-Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& confirmed,
-                   const Eigen::AlignedBox2d& region)
+Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& votes,
+                   const cv::Mat1b& lines, const Eigen::AlignedBox2d& region)
     : capture_id_(sight.capture_id),
       view_(sight.view),
       turn_(sight.view.map_from_camera.rotation.toRotationMatrix().transpose()) {
-  SOFFIT_EXPECT(sight.seen.size() == prediction.label.size() && confirmed.size() == prediction.label.size());
+  SOFFIT_EXPECT(sight.seen.size() == prediction.label.size() && votes.size() == prediction.label.size() &&
+                lines.size() == prediction.label.size());
   is_doubtful_ = cv::Mat1b(sight.seen.size(), uchar{0});
   Compare(sight, prediction);
   is_disguised_ = FindDisguised(sight, prediction);
   fails_.setTo(1, is_disguised_);
-  FindThings(sight, prediction);
+  FindThings(sight, prediction, votes);
   FollowThingsDown(sight, prediction, region);
-  NoteUnconfirmedGround(sight, prediction, confirmed, region);
+  fails_.setTo(1, lines);
+  NoteUnconfirmedGround(sight, prediction, votes, region);
+  const int edge = 2 * kEdge_px + 1;
   cv::Mat1f least;
-  cv::erode(reach_m_, least, Square(kEdge_px));
+  cv::erode(reach_m_, least, cv::getStructuringElement(cv::MORPH_RECT, cv::Size(edge, edge)));
   reach_m_ = least;
   SumUp(prediction);
 }
@@ -201,7 +168,7 @@ void Evidence::Compare(const Sight& sight, const Prediction& prediction) {
 
 /// Tells how far each connected thing that was not predicted can be: before the nearest part of the model
 /// that it covers, and where it meets the ground.
-void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
+void Evidence::FindThings(const Sight& sight, const Prediction& prediction, const cv::Mat1b& votes) {
   cv::Mat stats, centers;
   cv::Mat1b is_strange = fails_.clone();
   is_strange.setTo(0, Border(Only(prediction.label, Seen::kStructure), MisfitReach(sight.view, prediction)));
@@ -212,6 +179,8 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
     std::vector<float> covered_m;  ///< Depths of the model that it covers.
     int foot_y = -1;
     int foot_x = 0;
+    int on_ground = 0;  ///< Pixels that are ground, if nothing stands there,
+    int denied = 0;     ///< and those where other pictures deny that.
   };
   std::vector<Trace> traces(static_cast<std::size_t>(count));
   for (int y = 0; y < component_.rows; ++y) {
@@ -220,6 +189,8 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
       Trace& trace = traces[static_cast<std::size_t>(component_(y, x))];
       const bool is_on_model = prediction.label(y, x) == static_cast<uchar>(Seen::kStructure);
       if (is_on_model) trace.covered_m.push_back(prediction.depth_m(y, x));
+      trace.on_ground += prediction.label(y, x) == static_cast<uchar>(Seen::kGround) ? 1 : 0;
+      trace.denied += votes(y, x) == static_cast<uchar>(GroundVote::kDenied) ? 1 : 0;
       const bool is_on_ground =
           y + 1 < component_.rows && sight.seen(y + 1, x) == static_cast<uchar>(Seen::kGround);
       if (is_on_ground) trace.foot_y = y, trace.foot_x = x;
@@ -230,6 +201,7 @@ void Evidence::FindThings(const Sight& sight, const Prediction& prediction) {
     Trace& trace = traces[static_cast<std::size_t>(i)];
     Thing& thing = things_[static_cast<std::size_t>(i)];
     if (stats.at<int>(i, cv::CC_STAT_AREA) < kMinThing_px) continue;
+    thing.is_raised = trace.denied >= kMinThing_px && 2 * trace.denied > trace.on_ground;
     if (trace.covered_m.size() >= kMinCovered_px) {
       thing.far_m = *std::max_element(trace.covered_m.begin(), trace.covered_m.end());
       continue;
@@ -280,14 +252,16 @@ void Evidence::FollowThingsDown(const Sight& sight, const Prediction& prediction
   }
 }
 
-void Evidence::NoteUnconfirmedGround(const Sight& sight, const Prediction& prediction,
-                                     const cv::Mat1b& confirmed, const Eigen::AlignedBox2d& region) {
+void Evidence::NoteUnconfirmedGround(const Sight& sight, const Prediction& prediction, const cv::Mat1b& votes,
+                                     const Eigen::AlignedBox2d& region) {
   const Intrinsics& k = view_.intrinsics;
   const Eigen::Matrix3d rotation = view_.map_from_camera.rotation.toRotationMatrix();
   const int darkest = static_cast<int>(kShade * MedianGroundBrightness(sight));
   for (int y = 0; y < fails_.rows; ++y) {
     for (int x = 0; x < fails_.cols; ++x) {
-      if (prediction.label(y, x) != static_cast<uchar>(Seen::kGround) || confirmed(y, x) != 0) continue;
+      if (prediction.label(y, x) != static_cast<uchar>(Seen::kGround) ||
+          votes(y, x) == static_cast<uchar>(GroundVote::kConfirmed))
+        continue;
       const Eigen::Vector3d in_camera((x - k.cx_px) / k.fx_px, (y - k.cy_px) / k.fy_px, 1.0);
       const Eigen::Vector3d place = camera_in_map_m() + rotation * (prediction.depth_m(y, x) * in_camera);
       if (region.contains(place.head<2>()) || Brightness(sight.bgr(y, x)) < darkest) is_doubtful_(y, x) = 1;
@@ -309,8 +283,7 @@ bool Evidence::ShowsThingAt(const Eigen::Vector3d& point_in_map_m) const {
   const Eigen::Vector3d p = InCamera(point_in_map_m);
   const auto pixel = PixelAt(p);
   if (!pixel) return false;
-  const Thing& thing = things_[static_cast<std::size_t>(component_(*pixel))];
-  return thing.far_m > 0.0F && p.z() >= thing.near_m && p.z() <= thing.far_m;
+  return things_[static_cast<std::size_t>(component_(*pixel))].MayBeAt(p.z());
 }
 
 bool Evidence::ShowsBarWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
@@ -330,9 +303,12 @@ bool Evidence::ShowsBarWithin(const Eigen::Vector3d& center_in_map_m, double rad
   return false;
 }
 
-bool Evidence::ShowsDisguiseAt(const Eigen::Vector3d& point_in_map_m) const {
-  const auto pixel = PixelAt(InCamera(point_in_map_m));
-  return pixel && is_disguised_(*pixel) != 0;
+bool Evidence::DistrustsColorAt(const Eigen::Vector3d& point_in_map_m) const {
+  const Eigen::Vector3d p = InCamera(point_in_map_m);
+  const auto pixel = PixelAt(p);
+  if (!pixel) return false;
+  const Thing& thing = things_[static_cast<std::size_t>(component_(*pixel))];
+  return is_disguised_(*pixel) != 0 || (thing.is_raised && thing.MayBeAt(p.z()));
 }
 
 std::optional<Evidence::Target> Evidence::About(const Eigen::Vector3d& center_in_map_m,

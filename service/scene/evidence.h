@@ -21,9 +21,9 @@ namespace soffit {
 /// that is coloured like ground, or dark, would look the same.
 class Evidence {
  public:
-  /// @param confirmed  1 where another picture shows the same ground, as of GroundCheck; size of the
-  /// picture.
-  Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& confirmed,
+  /// @param votes  GroundVote values of GroundCheck; size of the picture.
+  /// @param lines  255 where a thin thing may hang or stand, as of ThinLines; size of the picture.
+  Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& votes, const cv::Mat1b& lines,
            const Eigen::AlignedBox2d& region);
 
   /// Whether every ray through the ball goes on free beyond it, and how sure that is. kSure: it ends on the
@@ -48,9 +48,11 @@ class Evidence {
   /// it.
   bool ShowsBarWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
 
-  /// Whether this point is before or behind something that is coloured like background and yet covers a part
-  /// of the model: there, that colour proves nothing in other pictures either.
-  bool ShowsDisguiseAt(const Eigen::Vector3d& point_in_map_m) const;
+  /// Whether background's colour proves nothing at this point, in other pictures either: it is before or
+  /// behind something that is coloured like background and yet covers a part of the model, or where something
+  /// stands that other pictures deny to be a mark of the ground, and may be coloured like ground on its other
+  /// sides.
+  bool DistrustsColorAt(const Eigen::Vector3d& point_in_map_m) const;
 
   const Eigen::Vector3d& camera_in_map_m() const { return view_.map_from_camera.translation_m; }
   std::uint32_t capture_id() const { return capture_id_; }
@@ -60,7 +62,10 @@ class Evidence {
   /// depths between which it may be.
   struct Thing {
     float near_m = 0.0F;
-    float far_m = 0.0F;  ///< 0: it may be anywhere.
+    float far_m = 0.0F;      ///< 0: it may be anywhere.
+    bool is_raised = false;  ///< No mark of the ground.
+
+    bool MayBeAt(double depth_m) const { return far_m > 0.0F && depth_m >= near_m && depth_m <= far_m; }
   };
 
   /// Pixels, up to and including the last ones.
@@ -87,9 +92,9 @@ class Evidence {
   static int Count(const cv::Mat1i& sum, const Window& window);
 
   void Compare(const Sight& sight, const Prediction& prediction);
-  void NoteUnconfirmedGround(const Sight& sight, const Prediction& prediction, const cv::Mat1b& confirmed,
+  void NoteUnconfirmedGround(const Sight& sight, const Prediction& prediction, const cv::Mat1b& votes,
                              const Eigen::AlignedBox2d& region);
-  void FindThings(const Sight& sight, const Prediction& prediction);
+  void FindThings(const Sight& sight, const Prediction& prediction, const cv::Mat1b& votes);
   void FollowThingsDown(const Sight& sight, const Prediction& prediction, const Eigen::AlignedBox2d& region);
   void SumUp(const Prediction& prediction);
 

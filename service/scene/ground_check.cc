@@ -131,13 +131,7 @@ Overlay Lay(const GroundPicture& other, const GroundPicture& base) {
       while (reach + 1 < kReaches_px.size() && kReaches_px[reach] < kReaches_px[0] + misfit_px) ++reach;
       if (kReaches_px[reach] < misfit_px) source(y, x) = {-1e4F, -1e4F};
       overlay.reach(y, x) = static_cast<uchar>(reach);
-      const Eigen::Vector3d from = (base.camera_m - ground).normalized();
-      const Eigen::Vector3d to = (other.camera_m - ground).normalized();
-      const bool is_steep = std::max(from.z(), to.z()) > kSteep;
-      const double azimuth =
-          from.head<2>().dot(to.head<2>()) / std::max(1e-9, from.head<2>().norm() * to.head<2>().norm());
-      if (from.dot(to) < kOtherDirection && (is_steep || azimuth < kSameAzimuth))
-        overlay.is_elsewhere(y, x) = 255;
+      if (SeeFromElsewhere(base.camera_m, other.camera_m, ground)) overlay.is_elsewhere(y, x) = 255;
     }
   }
   cv::remap(other.logs, overlay.logs, source, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
@@ -254,10 +248,15 @@ void Compare(const GroundPicture& base, const GroundPicture& other, Votes& votes
   }
 }
 
-/// Relabels the picture by the votes; 1 in the answer where another picture agrees.
+GroundVote Count(int agree, int differ) {
+  if (differ > agree) return GroundVote::kDenied;
+  return agree > 0 ? GroundVote::kConfirmed : GroundVote::kNone;
+}
+
+/// Relabels the picture by the votes, and tells for each pixel how they went.
 cv::Mat1b Relabel(const Votes& votes, double scale, const Prediction& prediction, Sight& sight) {
   constexpr int kEnough = 2;
-  cv::Mat1b confirmed(sight.seen.size(), uchar{0});
+  cv::Mat1b told(sight.seen.size(), uchar{0});
   for (int y = 0; y < sight.seen.rows; ++y) {
     const int row =
         std::clamp(static_cast<int>(std::lround((y + 0.5) * scale - 0.5)), 0, votes.agree.rows - 1);
@@ -267,18 +266,29 @@ cv::Mat1b Relabel(const Votes& votes, double scale, const Prediction& prediction
           std::clamp(static_cast<int>(std::lround((x + 0.5) * scale - 0.5)), 0, votes.agree.cols - 1);
       const int agree = votes.agree(row, column);
       const int differ = votes.differ(row, column);
-      confirmed(y, x) = agree > 0 ? 1 : 0;
+      const GroundVote vote = Count(agree, differ);
+      told(y, x) = static_cast<uchar>(vote);
       uchar& seen = sight.seen(y, x);
-      if (seen == static_cast<uchar>(Seen::kGround) && differ > agree)
+      if (seen == static_cast<uchar>(Seen::kGround) && vote == GroundVote::kDenied)
         seen = static_cast<uchar>(Seen::kUnexplained);
       const bool is_mark = seen == static_cast<uchar>(Seen::kUnexplained) && agree >= kEnough && differ == 0;
       if (is_mark) seen = static_cast<uchar>(Seen::kGround);
     }
   }
-  return confirmed;
+  return told;
 }
 
 }  // namespace
+
+bool SeeFromElsewhere(const Eigen::Vector3d& camera_in_map_m, const Eigen::Vector3d& other_in_map_m,
+                      const Eigen::Vector3d& place_in_map_m) {
+  const Eigen::Vector3d from = (camera_in_map_m - place_in_map_m).normalized();
+  const Eigen::Vector3d to = (other_in_map_m - place_in_map_m).normalized();
+  const double level = from.head<2>().norm() * to.head<2>().norm();
+  const bool is_steep = std::max(from.z(), to.z()) > kSteep;
+  return from.dot(to) < kOtherDirection &&
+         (is_steep || from.head<2>().dot(to.head<2>()) < kSameAzimuth * level);
+}
 
 GroundCheck::GroundCheck() = default;
 GroundCheck::~GroundCheck() = default;

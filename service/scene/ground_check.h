@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -7,6 +9,19 @@
 #include "service/scene/prediction.h"
 
 namespace soffit {
+
+/// What other pictures say of a pixel that is ground, if nothing stands before it.
+enum class GroundVote : std::uint8_t {
+  kNone,       ///< None shows its place from elsewhere.
+  kConfirmed,  ///< At least one shows the same there.
+  kDenied      ///< More of them show something else.
+};
+
+/// Whether two cameras see a place of the ground from directions so different that what stands or hangs
+/// before it in one does not do so in the other: more than 20 degrees apart and, as an upright thing looks
+/// alike from above and below, 15 degrees of azimuth, unless one looks down steeply.
+bool SeeFromElsewhere(const Eigen::Vector3d& camera_in_map_m, const Eigen::Vector3d& other_in_map_m,
+                      const Eigen::Vector3d& place_in_map_m);
 
 struct GroundPicture;  ///< What is kept of a picture for comparison.
 
@@ -28,7 +43,7 @@ class GroundCheck {
   /// picture shows stays as it is.
   ///
   /// @param number  Of the picture, from 0 in the order of Add(); sight and prediction are the same again.
-  /// @return 1 where a picture from another direction agrees with it.
+  /// @return A GroundVote for each pixel.
   cv::Mat1b Settle(std::size_t number, const Prediction& prediction, Sight& sight) const;
 
  private:

@@ -12,6 +12,7 @@
 #include "service/scene/octree.h"
 #include "service/scene/prediction.h"
 #include "service/scene/support.h"
+#include "service/scene/thin_line.h"
 
 namespace soffit {
 namespace {
@@ -231,15 +232,20 @@ Carving CarveSpace(Scene& scene, const Box& mapped, const std::vector<Sight>& si
                [](const Sight& sight) { return sight.has_trusted_pose; });
 
   GroundCheck ground;
-  for (const Sight& sight : trusted) ground.Add(sight, Predict(sight.view, meshes));
+  ThinLines lines;
+  for (const Sight& sight : trusted) {
+    const Prediction prediction = Predict(sight.view, meshes);
+    ground.Add(sight, prediction);
+    lines.Add(sight, prediction);
+  }
   const Eigen::AlignedBox2d region(mapped.low.head<2>(), mapped.high.head<2>());
   Carving carving(std::move(voxels));
   for (std::size_t i = 0; i < trusted.size(); ++i) {
     const Prediction prediction = Predict(trusted[i].view, meshes);
     Sight sight = trusted[i];
     sight.seen = sight.seen.clone();
-    const cv::Mat1b confirmed = ground.Settle(i, prediction, sight);
-    carving.Add(Evidence(sight, prediction, confirmed, region));
+    const cv::Mat1b votes = ground.Settle(i, prediction, sight);
+    carving.Add(Evidence(sight, prediction, votes, lines.Settle(i), region));
     for (Obstacle& thing : FindClutter(sight, prediction)) scene.clutter.push_back(std::move(thing));
   }
   return carving;

@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "service/scene/ground_check.h"
 #include "test/support/painted_world.h"
 
 namespace soffit {
@@ -17,9 +18,11 @@ Evidence Gather() {
   const test::Thing arch = test::Arch{}.thing();
   const Sight sight = test::Look({test::FromSouth()}, {arch, pole}).sights.front();
   const Prediction prediction = Predict(sight.view, {&arch.mesh});
-  cv::Mat1b confirmed(sight.seen.size(), uchar{1});
-  confirmed.colRange(0, confirmed.cols / 2).setTo(0);
-  return {sight, prediction, confirmed, Eigen::AlignedBox2d(Eigen::Vector2d(-5, -5), Eigen::Vector2d(5, 5))};
+  cv::Mat1b votes(sight.seen.size(), static_cast<uchar>(GroundVote::kConfirmed));
+  votes.colRange(0, votes.cols / 2).setTo(static_cast<uchar>(GroundVote::kNone));
+  const cv::Mat1b lines(sight.seen.size(), uchar{0});
+  return {sight, prediction, votes, lines,
+          Eigen::AlignedBox2d(Eigen::Vector2d(-5, -5), Eigen::Vector2d(5, 5))};
 }
 
 TEST(Evidence, WhatItSeesAlikeHoldsForEveryBallWithin) {

@@ -1,0 +1,148 @@
+#include "service/scene/ridge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace soffit {
+namespace {
+
+constexpr double kSmoothing_px = 1.0;
+constexpr float kLeastHeight = 2.0F;  // Second derivative, of 255 per square pixel, where a ridge begins,
+constexpr float kWeakHeight = 1.0F;   // and where it goes on.
+constexpr float kStandsOut = 3.0F;  // Times the height that is usual about it; half of that where it goes on.
+constexpr int kAbout_px = 31;
+constexpr float kMostAlong = 0.4F;      // Curvature along a ridge, over that across.
+constexpr float kMostBeside_px = 0.7F;  // From a ridge's middle to its pixel.
+constexpr float kSameDirection = 0.9F;  // Cosine.
+constexpr int kGap_px = 2;
+constexpr double kLeastLong_px = 16.0;
+constexpr double kMostPixels = 2.0;  // Per pixel of length.
+
+/// How brightness is curved at a pixel.
+struct Crest {
+  float height = 0.0F;  ///< Second derivative across a ridge; 0: there is none.
+  float x = 0.0F;       ///< Unit vector across.
+  float y = 0.0F;
+  bool is_middle = false;  ///< The ridge's middle is within the pixel.
+};
+
+Crest FindCrest(const float* above, const float* here, const float* below) {
+  const float xx = here[-1] - 2.0F * here[0] + here[1];
+  const float yy = above[0] - 2.0F * here[0] + below[0];
+  const float xy = 0.25F * (above[-1] - above[1] - below[-1] + below[1]);
+  const float mean = 0.5F * (xx + yy);
+  const float spread = std::sqrt(0.25F * (xx - yy) * (xx - yy) + xy * xy);
+  const float across = mean >= 0.0F ? mean + spread : mean - spread;
+  const float along = mean >= 0.0F ? mean - spread : mean + spread;
+  if (std::abs(across) < kWeakHeight || std::abs(along) > kMostAlong * std::abs(across)) return {};
+  const bool is_steep = std::abs(across - xx) > std::abs(across - yy);
+  const float x = is_steep ? xy : across - yy;
+  const float y = is_steep ? across - xx : xy;
+  const float norm = std::hypot(x, y);
+  const float slope = 0.5F * ((here[1] - here[-1]) * x + (below[0] - above[0]) * y);
+  return {across, x / norm, y / norm, std::abs(slope) <= kMostBeside_px * norm * std::abs(across)};
+}
+
+/// Of each pixel but those at the picture's edge, where it is the highest one across.
+class Crests {
+ public:
+  explicit Crests(const cv::Mat1b& picture) : crests_(picture.total()), size_(picture.size()) {
+    cv::Mat1f smooth;
+    picture.convertTo(smooth, CV_32F);
+    cv::GaussianBlur(smooth, smooth, cv::Size(), kSmoothing_px);
+    cv::Laplacian(smooth, usual_, CV_32F);
+    cv::blur(cv::abs(usual_), usual_, cv::Size(kAbout_px, kAbout_px));
+    std::vector<Crest> all(crests_.size());
+    for (int y = 1; y + 1 < size_.height; ++y) {
+      for (int x = 1; x + 1 < size_.width; ++x)
+        all[Number({x, y})] = FindCrest(&smooth(y - 1, x), &smooth(y, x), &smooth(y + 1, x));
+    }
+    for (int y = 1; y + 1 < size_.height; ++y) {
+      for (int x = 1; x + 1 < size_.width; ++x) {
+        const Crest& crest = all[Number({x, y})];
+        const cv::Point beside(cvRound(crest.x), cvRound(crest.y));
+        const float highest = std::max(std::abs(all[Number(cv::Point(x, y) + beside)].height),
+                                       std::abs(all[Number(cv::Point(x, y) - beside)].height));
+        if (crest.is_middle && std::abs(crest.height) >= highest) At({x, y}) = crest;
+      }
+    }
+  }
+
+  bool Begins(const cv::Point& at) const {
+    const float height = std::abs(crests_[Number(at)].height);
+    return height >= kLeastHeight && height >= kStandsOut * usual_(at);
+  }
+
+  /// Takes all crests that hang together with this one, and about run along one another.
+  std::vector<cv::Point> Take(const cv::Point& first) {
+    std::vector<cv::Point> taken = {first};
+    std::vector<Crest> directions = {At(first)};
+    At(first) = {};
+    for (std::size_t i = 0; i < taken.size(); ++i) {
+      for (int k = 0; k < kWindow * kWindow; ++k) {
+        const cv::Point next = taken[i] + cv::Point(k % kWindow - kGap_px, k / kWindow - kGap_px);
+        if (!cv::Rect({}, size_).contains(next)) continue;
+        const Crest crest = At(next);
+        const bool goes_on = std::abs(crest.height) > 0.5F * kStandsOut * usual_(next);
+        const float cosine = crest.x * directions[i].x + crest.y * directions[i].y;
+        if (!goes_on || std::abs(cosine) < kSameDirection) continue;
+        taken.push_back(next);
+        directions.push_back(crest);
+        At(next) = {};
+      }
+    }
+    return taken;
+  }
+
+ private:
+  static constexpr int kWindow = 2 * kGap_px + 1;
+
+  std::size_t Number(const cv::Point& at) const {
+    return static_cast<std::size_t>(at.y) * static_cast<std::size_t>(size_.width) +
+           static_cast<std::size_t>(at.x);
+  }
+  Crest& At(const cv::Point& at) { return crests_[Number(at)]; }
+
+  std::vector<Crest> crests_;
+  cv::Size size_;
+  cv::Mat1f usual_;
+};
+
+Ridge Measure(std::vector<cv::Point> pixels) {
+  cv::Vec4d line;
+  cv::fitLine(pixels, line, cv::DIST_L2, 0.0, 0.01, 0.01);
+  Ridge ridge;
+  ridge.along = {line[0], line[1]};
+  const cv::Point2d middle(line[2], line[3]);
+  const auto place = [&](const cv::Point& pixel) { return (cv::Point2d(pixel) - middle).dot(ridge.along); };
+  const auto [first, last] =
+      std::minmax_element(pixels.begin(), pixels.end(),
+                          [&](const cv::Point& a, const cv::Point& b) { return place(a) < place(b); });
+  ridge.ends_px[0] = middle + place(*first) * ridge.along;
+  ridge.ends_px[1] = middle + place(*last) * ridge.along;
+  ridge.pixels = std::move(pixels);
+  return ridge;
+}
+
+}  // namespace
+
+std::vector<Ridge> FindRidges(const cv::Mat1b& picture) {
+  std::vector<Ridge> ridges;
+  if (picture.empty()) return ridges;
+  Crests crests(picture);
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      if (!crests.Begins({x, y})) continue;
+      std::vector<cv::Point> pixels = crests.Take({x, y});
+      if (static_cast<double>(pixels.size()) < kLeastLong_px / 2.0) continue;
+      Ridge ridge = Measure(std::move(pixels));
+      if (ridge.length_px() < kLeastLong_px) continue;
+      if (static_cast<double>(ridge.pixels.size()) <= kMostPixels * ridge.length_px())
+        ridges.push_back(std::move(ridge));
+    }
+  }
+  return ridges;
+}
+
+}  // namespace soffit

@@ -1,0 +1,184 @@
+#include "service/scene/thin_line.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "service/scene/ground_check.h"
+#include "service/scene/labels.h"
+#include "service/scene/ridge.h"
+#include "shared/result/result.h"
+
+namespace soffit {
+namespace {
+
+constexpr double kMaxWidth_px = 1600.0;
+constexpr double kDownward = -0.9;  // Of the optical axis' rise.
+constexpr int kBeside_px = 3;       // Of the model's edge, where colours mix.
+constexpr int kHorizon_px = 6;      // Ground fades into sky.
+constexpr double kStraight = 0.97;  // Cosine to what is level or upright.
+constexpr std::size_t kLeastPixels = 12;
+constexpr double kLeastUpright = 0.08;    // Length of what does not begin at the model, over the picture's.
+constexpr double kLeastUnseen_px = 12.0;  // By which a line may go on unseen; or by half its length.
+constexpr double kOnGround = 0.9;         // Of a line's pixels.
+constexpr double kReach_px = 2.0;         // By which a mark may lie beside in another picture,
+constexpr double kReachSigmas = 2.0;      // and by its pose.
+constexpr double kMostReach_px = 16.0;
+constexpr double kKnown = 0.5;  // Of a mark's pixels that others show,
+constexpr double kShown = 0.6;  // and of these, that are lines there.
+constexpr double kThick_px = 3.0;
+
+cv::Point Round(const cv::Point2d& pixel) {
+  return {static_cast<int>(std::lround(pixel.x)), static_cast<int>(std::lround(pixel.y))};
+}
+
+cv::Rect Square(const cv::Point& middle, int reach) {
+  return {middle.x - reach, middle.y - reach, 2 * reach + 1, 2 * reach + 1};
+}
+
+/// Ridges of the whole picture, found in a smaller one.
+std::vector<Ridge> FindRidgesInSmaller(const cv::Mat1b& picture, double scale) {
+  cv::Mat1b small = picture;
+  if (scale < 1.0) cv::resize(picture, small, cv::Size(), scale, scale, cv::INTER_AREA);
+  std::vector<Ridge> ridges = FindRidges(small);
+  const cv::Point2d middle(0.5, 0.5);
+  for (Ridge& ridge : ridges) {
+    for (cv::Point& pixel : ridge.pixels) pixel = Round((cv::Point2d(pixel) + middle) / scale - middle);
+    for (cv::Point2d& end : ridge.ends_px) end = (end + middle) / scale - middle;
+  }
+  return ridges;
+}
+
+/// Where a picture may show what hangs or stands before background.
+class Backdrop {
+ public:
+  Backdrop(const Sight& sight, const Prediction& prediction)
+      : shown_(sight.shown),
+        label_(prediction.label),
+        model_(Grow(Only(label_, Seen::kStructure), kBeside_px)),
+        horizon_(Both(Grow(Only(label_, Seen::kGround), kHorizon_px),
+                      Grow(Only(label_, Seen::kSky), kHorizon_px))) {}
+
+  std::vector<cv::Point2d> Keep(const Ridge& ridge) const {
+    const bool is_level = std::abs(ridge.along.x) > kStraight;
+    std::vector<cv::Point2d> kept;
+    for (const cv::Point& pixel : ridge.pixels) {
+      const bool is_horizon = is_level && horizon_(pixel) != 0;
+      if (shown_.contains(pixel) && model_(pixel) == 0 && !is_horizon) kept.emplace_back(pixel);
+    }
+    return kept;
+  }
+
+  bool AreOnGround(const std::vector<cv::Point2d>& pixels) const {
+    const auto count = std::count_if(pixels.begin(), pixels.end(), [&](const cv::Point2d& pixel) {
+      return label_(Round(pixel)) == static_cast<uchar>(Seen::kGround);
+    });
+    return static_cast<double>(count) > kOnGround * static_cast<double>(pixels.size());
+  }
+
+  /// Pixels from both ends of a ridge on to the model's edge, where that is near.
+  std::vector<cv::Point2d> ReachModel(const Ridge& ridge) const {
+    const double most_px = std::max(kLeastUnseen_px, ridge.length_px() / 2.0);
+    std::vector<cv::Point2d> pixels = ReachModel(ridge.ends_px[0], -ridge.along, most_px);
+    const std::vector<cv::Point2d> others = ReachModel(ridge.ends_px[1], ridge.along, most_px);
+    pixels.insert(pixels.end(), others.begin(), others.end());
+    return pixels;
+  }
+
+ private:
+  std::vector<cv::Point2d> ReachModel(cv::Point2d at, const cv::Point2d& step, double most_px) const {
+    std::vector<cv::Point2d> way;
+    for (; static_cast<double>(way.size()) <= most_px; at += step) {
+      if (!shown_.contains(Round(at))) return {};
+      way.push_back(at);
+      if (label_(Round(at)) == static_cast<uchar>(Seen::kStructure)) return way;
+    }
+    return {};
+  }
+
+  cv::Rect shown_;
+  cv::Mat1b label_;
+  cv::Mat1b model_;
+  cv::Mat1b horizon_;
+};
+
+}  // namespace
+
+void ThinLines::Add(const Sight& sight, const Prediction& prediction) {
+  SOFFIT_EXPECT(sight.bgr.size() == prediction.label.size());
+  Picture& picture = pictures_.emplace_back();
+  picture.view = sight.view;
+  if ((sight.view.map_from_camera.rotation * Eigen::Vector3d::UnitZ()).z() < kDownward) return;
+  picture.scale = std::min(1.0, kMaxWidth_px / sight.bgr.cols);
+  cv::resize(Only(prediction.label, Seen::kGround), picture.ground, cv::Size(), picture.scale, picture.scale,
+             cv::INTER_NEAREST);
+  picture.shown = cv::Mat1b(picture.ground.size(), uchar{0});
+  cv::Mat1b grey;
+  cv::cvtColor(sight.bgr, grey, cv::COLOR_BGR2GRAY);
+  const Backdrop backdrop(sight, prediction);
+  for (const double scale : {picture.scale, picture.scale / 2.0}) {
+    for (const Ridge& ridge : FindRidgesInSmaller(grey, scale)) {
+      for (const cv::Point& pixel : ridge.pixels)
+        picture.shown(Square(Round(cv::Point2d(pixel) * picture.scale), 0) &
+                      cv::Rect({}, picture.shown.size())) = 255;
+      Line line{backdrop.Keep(ridge), backdrop.ReachModel(ridge)};
+      const bool is_upright =
+          std::abs(ridge.along.y) > kStraight && ridge.length_px() > kLeastUpright * sight.bgr.rows;
+      if (line.pixels.size() < kLeastPixels || (line.extended.empty() && !is_upright)) continue;
+      line.is_on_ground = backdrop.AreOnGround(line.pixels);
+      picture.lines.push_back(std::move(line));
+    }
+  }
+}
+
+ThinLines::Shows ThinLines::Look(const Picture& picture, const Eigen::Vector3d& on_ground) {
+  const auto pixel = Project(picture.view, on_ground);
+  if (!pixel || picture.shown.empty()) return Shows::kNothing;
+  const cv::Point at = Round({pixel->x() * picture.scale, pixel->y() * picture.scale});
+  if (!cv::Rect({}, picture.ground.size()).contains(at) || picture.ground(at) == 0) return Shows::kNothing;
+  const double away_m = (picture.view.map_from_camera.translation_m - on_ground).norm();
+  const double std_px = picture.scale * picture.view.intrinsics.fx_px *
+                        (picture.view.orientation_std_rad + picture.view.position_std_m / away_m);
+  const int reach = static_cast<int>(std::min(kMostReach_px, kReach_px + kReachSigmas * std_px));
+  const cv::Rect about = Square(at, reach) & cv::Rect({}, picture.shown.size());
+  return cv::countNonZero(picture.shown(about)) > 0 ? Shows::kLine : Shows::kGround;
+}
+
+bool ThinLines::IsMark(const Picture& picture, const Line& line) const {
+  if (!line.is_on_ground) return false;
+  const Eigen::Vector3d& camera_m = picture.view.map_from_camera.translation_m;
+  int known = 0;
+  int shown = 0;
+  for (const cv::Point2d& pixel : line.pixels) {
+    const auto place = MeetHorizontalPlane(picture.view, {pixel.x, pixel.y}, 0.0);
+    if (!place) continue;
+    const Eigen::Vector3d on_ground(place->x(), place->y(), 0.0);
+    Shows best = Shows::kNothing;
+    for (const Picture& other : pictures_) {
+      if (SeeFromElsewhere(camera_m, other.view.map_from_camera.translation_m, on_ground))
+        best = std::max(best, Look(other, on_ground));
+    }
+    known += best != Shows::kNothing ? 1 : 0;
+    shown += best == Shows::kLine ? 1 : 0;
+  }
+  return known >= kKnown * static_cast<double>(line.pixels.size()) && shown >= kShown * known;
+}
+
+cv::Mat1b ThinLines::Settle(std::size_t number) const {
+  SOFFIT_EXPECT(number < pictures_.size());
+  const Picture& picture = pictures_[number];
+  const Intrinsics& k = picture.view.intrinsics;
+  cv::Mat1b mask(cv::Size(k.width_px, k.height_px), uchar{0});
+  const int reach = static_cast<int>(std::lround(kThick_px / picture.scale)) / 2;
+  for (const Line& line : picture.lines) {
+    if (IsMark(picture, line)) continue;
+    for (const auto* pixels : {&line.pixels, &line.extended}) {
+      for (const cv::Point2d& pixel : *pixels)
+        mask(Square(Round(pixel), reach) & cv::Rect({}, mask.size())) = 255;
+    }
+  }
+  return mask;
+}
+
+}  // namespace soffit

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "service/facade/facade.h"
+#include "service/scene/prediction.h"
+
+namespace soffit {
+
+/// Finds thin lines before background that may be cables, ropes or slim poles: they begin at the model's
+/// edge, or are long and about upright. One picture does not tell them from what lies far behind. So the rays
+/// of such a line prove nothing, and what stands where it may be has to be seen through by another picture.
+/// Lines that other pictures show at the same place of the ground, from elsewhere, are marks of the ground.
+///
+/// Lines are half a pixel to about seven pixels wide in pictures of up to 1600 pixels across; larger ones are
+/// looked at in that size.
+class ThinLines {
+ public:
+  /// All pictures are added before any is settled. Those that look down show no passages and are not
+  /// searched.
+  void Add(const Sight& sight, const Prediction& prediction);
+
+  /// @param number  Of the picture, from 0 in the order of Add().
+  /// @return 255 where it shows such lines that are no marks; size of the picture.
+  cv::Mat1b Settle(std::size_t number) const;
+
+ private:
+  struct Line {
+    std::vector<cv::Point2d> pixels;    ///< Of the whole picture.
+    std::vector<cv::Point2d> extended;  ///< On to the model's edge.
+    bool is_on_ground = false;
+  };
+  struct Picture {
+    View view;
+    double scale = 1.0;  ///< Pixels of the masks per pixel.
+    std::vector<Line> lines;
+    cv::Mat1b shown;   ///< 255 on every line, also on those that are no cables.
+    cv::Mat1b ground;  ///< 255 where ground is predicted.
+  };
+  /// How another picture shows a place of the ground.
+  enum class Shows { kNothing, kGround, kLine };
+
+  static Shows Look(const Picture& picture, const Eigen::Vector3d& on_ground);
+  bool IsMark(const Picture& picture, const Line& line) const;
+
+  std::vector<Picture> pictures_;
+};
+
+}  // namespace soffit
