@@ -70,7 +70,7 @@ void Carving::Mark(const Block& block, Evidence::Sees sees) {
     for (int y = block.first[1]; y < end[1]; ++y) {
       Proof* proof = &proofs_[grid.Number(x, y, block.first[2])];
       for (int z = block.first[2]; z < end[2]; ++z, ++proof) {
-        proof->is_likely_free = true;
+        proof->is_likely_free = proof->has_no_trace = true;
         if (sees == Evidence::Sees::kSure) proof->is_surely_free = true;
       }
     }
@@ -82,10 +82,14 @@ void Carving::AddTo(std::size_t number, const Evidence& picture, const Eigen::Ve
   Proof& proof = proofs_[number];
   const double reach_m = Reach(voxels_.grid.voxel_m);
   if (picture.ShowsBarWithin(center, reach_m)) proof.has_bar = true;
-  if (proof.is_surely_free && !proof.has_bar) return;
+  if (proof.is_surely_free && proof.has_no_trace && !proof.has_bar) return;
+  if (picture.ShowsLineWithin(center, reach_m)) proof.has_line = true;
   const Sees sees = picture.SeeThrough(center, reach_m);
   if (sees == Sees::kSure) proof.is_surely_free = true;
-  if (sees == Sees::kSure || sees == Sees::kLikely) proof.is_likely_free = true;
+  if (sees == Sees::kSure || sees == Sees::kLikely) {
+    proof.is_likely_free = true;
+    if (!picture.ShowsTraceWithin(center, reach_m)) proof.has_no_trace = true;
+  }
   if (sees == Sees::kNothing && picture.DistrustsColorAt(center)) proof.is_disputed = true;
   if (sees == Sees::kNothing && picture.ShowsThingAt(center)) {
     proof.shows_things = true;
@@ -136,11 +140,12 @@ Voxels Carving::Judge() const {
 
 Voxel Carving::Judge(std::size_t number, const Eigen::Vector3d& center) const {
   const Proof& proof = proofs_[number];
-  if (proof.is_surely_free && !proof.has_bar) return Voxel::kFree;
+  const bool may_hide = proof.has_bar || (proof.has_line && !proof.has_no_trace);
+  if (proof.is_surely_free && !may_hide) return Voxel::kFree;
   const Parts parts = proof.has_parts ? parts_.at(number) : Parts{};
-  if (parts.sure == kAll && !proof.has_bar) return Voxel::kFree;
+  if (parts.sure == kAll && !may_hide) return Voxel::kFree;
   if (proof.shows_things && Cosine(things_.at(number), center) < kOtherDirection) return Voxel::kThing;
-  if (proof.is_disputed || proof.has_bar) return Voxel::kUnknown;
+  if (proof.is_disputed || may_hide) return Voxel::kUnknown;
   return proof.is_likely_free || parts.AreFree() ? Voxel::kFree : Voxel::kUnknown;
 }
 

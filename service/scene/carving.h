@@ -12,9 +12,10 @@ namespace soffit {
 /// Gathers what pictures prove of voxels, one picture after the other; none is kept.
 ///
 /// What is surely free is free, even when one picture shows one part of a voxel and another the rest, but for
-/// where a bar stands: from afar it may not show. A thing
-/// that two pictures show from different directions outweighs what is likely free; what is perhaps free takes
-/// two pictures from very different directions, and none that shows a thing.
+/// where a bar stands, as it may not show from afar, and where a thin line may hang: there a picture has to
+/// see the voxel free without a trace of a line. A thing that two pictures show from different directions
+/// outweighs what is likely free; what is perhaps free takes two pictures from very different directions, and
+/// none that shows a thing.
 class Carving {
  public:
   /// @param voxels  What is kSolid stays so.
@@ -41,6 +42,8 @@ class Carving {
     bool is_likely_free : 1 = false;
     bool is_disputed : 1 = false;   ///< What is likely free by its colour is not, here.
     bool has_bar : 1 = false;       ///< A bar stands there, which other pictures may not resolve.
+    bool has_line : 1 = false;      ///< A thin line may hang there,
+    bool has_no_trace : 1 = false;  ///< and a picture that sees the voxel free shows not even a trace of it.
     bool has_parts : 1 = false;     ///< There is something in `parts_` for it,
     bool shows_things : 1 = false;  ///< and in `things_`.
   };

@@ -9,6 +9,7 @@
 #include "service/scene/continuation.h"
 #include "service/scene/ground_check.h"
 #include "service/scene/labels.h"
+#include "service/scene/thin_line.h"
 
 namespace soffit {
 namespace {
@@ -25,6 +26,14 @@ constexpr int kSameColor = 12;       // Of 255, in each channel.
 constexpr double kShade = 0.6;       // Of the brightness that half of the ground has.
 constexpr int kMinCovered_px = 12;   // Of the model: less does not tell that a thing is before it.
 constexpr double kFootShare = 0.12;  // Of the depth of a thing's foot: how well it is known.
+
+/// 1 where a pixel has this mark.
+cv::Mat1b OnesWhere(const cv::Mat1b& lines, LineMark wanted) {
+  cv::Mat1b ones;
+  cv::compare(lines, static_cast<double>(wanted), ones, cv::CMP_EQ);
+  cv::threshold(ones, ones, 0.0, 1.0, cv::THRESH_BINARY);
+  return ones;
+}
 
 int Brightness(const cv::Vec3b& color) { return color[0] + color[1] + color[2]; }
 
@@ -115,16 +124,16 @@ Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::M
   fails_.setTo(1, is_disguised_);
   FindThings(sight, prediction, votes);
   FollowThingsDown(sight, prediction, region);
-  fails_.setTo(1, lines);
+  fails_.setTo(1, OnesWhere(lines, LineMark::kLine));
   NoteUnconfirmedGround(sight, prediction, votes, region);
   const int edge = 2 * kEdge_px + 1;
   cv::Mat1f least;
   cv::erode(reach_m_, least, cv::getStructuringElement(cv::MORPH_RECT, cv::Size(edge, edge)));
   reach_m_ = least;
-  SumUp(prediction);
+  SumUp(prediction, lines);
 }
 
-void Evidence::SumUp(const Prediction& prediction) {
+void Evidence::SumUp(const Prediction& prediction, const cv::Mat1b& lines) {
   cv::Mat1b is_ground;
   cv::threshold(Only(prediction.label, Seen::kGround), is_ground, 0.0, 1.0, cv::THRESH_BINARY);
   cv::Mat1b is_thing(component_.size(), uchar{0});
@@ -132,6 +141,10 @@ void Evidence::SumUp(const Prediction& prediction) {
     return things_[static_cast<std::size_t>(component)].far_m > 0.0F ? uchar{1} : uchar{0};
   });
   is_thing.setTo(1, is_disguised_);
+  const cv::Mat1b is_line = OnesWhere(lines, LineMark::kLine);
+  is_thing.setTo(1, is_line);
+  cv::integral(is_line, line_sum_, CV_32S);
+  cv::integral(Either(is_line, OnesWhere(lines, LineMark::kTrace)), trace_sum_, CV_32S);
   cv::integral(fails_, fail_sum_, CV_32S);
   cv::integral(is_doubtful_, doubt_sum_, CV_32S);
   cv::integral(is_ground, ground_sum_, CV_32S);
@@ -303,6 +316,16 @@ bool Evidence::ShowsBarWithin(const Eigen::Vector3d& center_in_map_m, double rad
   return false;
 }
 
+bool Evidence::ShowsLineWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
+  const std::optional<Target> target = About(center_in_map_m, radius_m);
+  return target && Count(line_sum_, target->window) > 0;
+}
+
+bool Evidence::ShowsTraceWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
+  const std::optional<Target> target = About(center_in_map_m, radius_m);
+  return target && Count(trace_sum_, target->window) > 0;
+}
+
 bool Evidence::DistrustsColorAt(const Eigen::Vector3d& point_in_map_m) const {
   const Eigen::Vector3d p = InCamera(point_in_map_m);
   const auto pixel = PixelAt(p);
@@ -384,7 +407,8 @@ std::optional<Evidence::Sees> Evidence::SeesAlike(const Eigen::Vector3d& center_
   if (w.x0 < 0 || w.y0 < 0 || w.x1 >= fails_.cols || w.y1 >= fails_.rows) return std::nullopt;
   const RangePyramid::Range free_m = free_->Bound(w.x0, w.y0, w.x1, w.y1);
   if (free_m.greatest < near_m && Count(thing_sum_, w) == 0) return Sees::kNothing;
-  if (free_m.least < far_m || Count(fail_sum_, w) > 0 || Count(doubt_sum_, w) > 0) return std::nullopt;
+  if (free_m.least < far_m || Count(fail_sum_, w) > 0 || Count(doubt_sum_, w) > 0 || Count(trace_sum_, w) > 0)
+    return std::nullopt;
   const int ground = Count(ground_sum_, w);
   if (ground == 0) return Sees::kSure;
   return ground == (w.x1 - w.x0 + 1) * (w.y1 - w.y0 + 1) ? std::optional(Sees::kLikely) : std::nullopt;

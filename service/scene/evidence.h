@@ -22,7 +22,7 @@ namespace soffit {
 class Evidence {
  public:
   /// @param votes  GroundVote values of GroundCheck; size of the picture.
-  /// @param lines  255 where a thin thing may hang or stand, as of ThinLines; size of the picture.
+  /// @param lines  LineMark values of ThinLines; size of the picture.
   Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& votes, const cv::Mat1b& lines,
            const Eigen::AlignedBox2d& region);
 
@@ -36,8 +36,14 @@ class Evidence {
   bool SeesPartly(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
 
   /// What SeeThrough() says of each ball within this one, where one look tells that for all of them.
-  /// kNothing: moreover none of them is seen partly, and no thing or disguise shows there.
+  /// kNothing: moreover none of them is seen partly, and no thing, line or disguise shows there; else no
+  /// trace of a line does.
   std::optional<Sees> SeesAlike(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
+
+  /// Whether the ball is before or behind a thin line that may hang or stand there, and whether there is a
+  /// trace of one.
+  bool ShowsLineWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
+  bool ShowsTraceWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
 
   /// Whether something that the model does not have, and that is near, may stand at this point: it covers a
   /// part of the model that lies behind, or meets the ground here. What only shows before sky or far ground
@@ -96,7 +102,7 @@ class Evidence {
                              const Eigen::AlignedBox2d& region);
   void FindThings(const Sight& sight, const Prediction& prediction, const cv::Mat1b& votes);
   void FollowThingsDown(const Sight& sight, const Prediction& prediction, const Eigen::AlignedBox2d& region);
-  void SumUp(const Prediction& prediction);
+  void SumUp(const Prediction& prediction, const cv::Mat1b& lines);
 
   std::uint32_t capture_id_ = 0;
   View view_;
@@ -112,6 +118,8 @@ class Evidence {
   std::vector<Thing> things_;
   std::size_t first_bar_ = 0;  ///< From there on, `things_` are bars.
   cv::Mat1i thing_sum_;        ///< Integral picture of where a thing of known depth or a disguise shows.
+  cv::Mat1i line_sum_;         ///< Of where a thin line may be, and
+  cv::Mat1i trace_sum_;        ///< of where a trace of one shows.
   cv::Mat1i bar_sum_;          ///< And of where a bar shows whose foot is seen.
   std::optional<RangePyramid> free_;  ///< Of `reach_m_`; the greatest leaves out what fails.
 };

@@ -8,16 +8,18 @@ namespace soffit {
 namespace {
 
 constexpr double kSmoothing_px = 1.0;
-constexpr float kLeastHeight = 2.0F;  // Second derivative, of 255 per square pixel, where a ridge begins,
-constexpr float kWeakHeight = 1.0F;   // and where it goes on.
-constexpr float kStandsOut = 3.0F;  // Times the height that is usual about it; half of that where it goes on.
+constexpr float kWeakHeight = 1.0F;   // Second derivative, of 255 per square pixel, of any ridge,
+constexpr float kClearHeight = 2.0F;  // and somewhere on a clear one.
+constexpr float kWeak = 2.0F;         // Times the height that is usual about it.
+constexpr float kClear = 3.0F;
 constexpr int kAbout_px = 31;
 constexpr float kMostAlong = 0.4F;      // Curvature along a ridge, over that across.
 constexpr float kMostBeside_px = 0.7F;  // From a ridge's middle to its pixel.
 constexpr float kSameDirection = 0.9F;  // Cosine.
 constexpr int kGap_px = 2;
-constexpr double kLeastLong_px = 16.0;
-constexpr double kMostPixels = 1.3;  // Per pixel of length: texture is wider.
+constexpr double kLeastLong_px = 5.0;
+constexpr double kClearlyLong_px = 16.0;
+constexpr double kMostPixels = 1.3;  // Of a clear one, per pixel of length: texture is wider.
 
 /// How brightness is curved at a pixel.
 struct Crest {
@@ -69,14 +71,18 @@ class Crests {
     }
   }
 
-  bool Begins(const cv::Point& at) const {
-    const float height = std::abs(crests_[Number(at)].height);
-    return height >= kLeastHeight && height >= kStandsOut * usual_(at);
-  }
+  bool IsCrest(const cv::Point& at) const { return StandsOut(at, kWeakHeight, kWeak); }
+  bool IsClear(const cv::Point& at) const { return StandsOut(at, kClearHeight, kClear); }
+
+  struct Chain {
+    std::vector<cv::Point> pixels;
+    bool is_clear = false;  ///< Somewhere.
+  };
 
   /// Takes all crests that hang together with this one, and about run along one another.
-  std::vector<cv::Point> Take(const cv::Point& first) {
-    std::vector<cv::Point> taken = {first};
+  Chain Take(const cv::Point& first) {
+    Chain chain{{first}, IsClear(first)};
+    std::vector<cv::Point>& taken = chain.pixels;
     std::vector<Crest> directions = {At(first)};
     At(first) = {};
     for (std::size_t i = 0; i < taken.size(); ++i) {
@@ -84,15 +90,15 @@ class Crests {
         const cv::Point next = taken[i] + cv::Point(k % kWindow - kGap_px, k / kWindow - kGap_px);
         if (!cv::Rect({}, size_).contains(next)) continue;
         const Crest crest = At(next);
-        const bool goes_on = std::abs(crest.height) > 0.5F * kStandsOut * usual_(next);
         const float cosine = crest.x * directions[i].x + crest.y * directions[i].y;
-        if (!goes_on || std::abs(cosine) < kSameDirection) continue;
+        if (!IsCrest(next) || std::abs(cosine) < kSameDirection) continue;
+        chain.is_clear = chain.is_clear || IsClear(next);
         taken.push_back(next);
         directions.push_back(crest);
         At(next) = {};
       }
     }
-    return taken;
+    return chain;
   }
 
  private:
@@ -103,6 +109,11 @@ class Crests {
            static_cast<std::size_t>(at.x);
   }
   Crest& At(const cv::Point& at) { return crests_[Number(at)]; }
+
+  bool StandsOut(const cv::Point& at, float least, float times) const {
+    const float height = std::abs(crests_[Number(at)].height);
+    return height >= least && height >= times * usual_(at);
+  }
 
   std::vector<Crest> crests_;
   cv::Size size_;
@@ -133,13 +144,13 @@ std::vector<Ridge> FindRidges(const cv::Mat1b& picture) {
   Crests crests(picture);
   for (int y = 0; y < picture.rows; ++y) {
     for (int x = 0; x < picture.cols; ++x) {
-      if (!crests.Begins({x, y})) continue;
-      std::vector<cv::Point> pixels = crests.Take({x, y});
-      if (static_cast<double>(pixels.size()) < kLeastLong_px / 2.0) continue;
-      Ridge ridge = Measure(std::move(pixels));
-      if (ridge.length_px() < kLeastLong_px) continue;
-      if (static_cast<double>(ridge.pixels.size()) <= kMostPixels * ridge.length_px())
-        ridges.push_back(std::move(ridge));
+      if (!crests.IsCrest({x, y})) continue;
+      Crests::Chain chain = crests.Take({x, y});
+      if (static_cast<double>(chain.pixels.size()) < kLeastLong_px) continue;
+      Ridge ridge = Measure(std::move(chain.pixels));
+      ridge.is_clear = chain.is_clear && ridge.length_px() >= kClearlyLong_px &&
+                       static_cast<double>(ridge.pixels.size()) <= kMostPixels * ridge.length_px();
+      if (ridge.length_px() >= kLeastLong_px) ridges.push_back(std::move(ridge));
     }
   }
   return ridges;

@@ -5,16 +5,17 @@
 
 namespace soffit {
 
-/// A thin line in a picture: a ridge or a valley of brightness, half a pixel to four pixels wide, that goes
-/// on for at least 16 pixels and bends little.
+/// A thin line in a picture: a ridge or a valley of brightness, half a pixel to four pixels wide.
 struct Ridge {
+  bool is_clear = false;          ///< It stands out, goes on for at least 16 pixels, and is no blotch.
   std::vector<cv::Point> pixels;  ///< Of its middle, in no order.
   cv::Point2d ends_px[2];         ///< On the straight line through it.
   cv::Point2d along;              ///< Unit vector from the first end to the second.
   double length_px() const { return cv::norm(ends_px[1] - ends_px[0]); }
 };
 
-/// Ridges stand out from the texture that is usual about them. Empty picture: none. Pure; O(pixels).
+/// All ridges of 5 pixels or more, noise and texture among them; those that are clear stand out from the
+/// texture that is usual about them. Empty picture: none. Pure; O(pixels).
 ///
 /// They are where the second derivative across is great and the first one vanishes (Steger, "An Unbiased
 /// Detector of Curvilinear Structures", PAMI 20 (2), 1998).

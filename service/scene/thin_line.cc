@@ -19,7 +19,8 @@ constexpr int kBeside_px = 3;       // Of the model's edge, where colours mix.
 constexpr int kHorizon_px = 6;      // Ground fades into sky.
 constexpr double kStraight = 0.97;  // Cosine to what is level or upright.
 constexpr std::size_t kLeastPixels = 12;
-constexpr double kLeastUpright = 0.08;    // Length of what does not begin at the model, over the picture's.
+constexpr double kLeastLong = 0.03;       // Over the picture's width, of what begins at the model,
+constexpr double kLeastUpright = 0.06;    // and of what stands free.
 constexpr double kLeastUnseen_px = 12.0;  // By which a line may go on unseen; or by half its length.
 constexpr double kOnGround = 0.9;         // Of a line's pixels.
 constexpr double kReach_px = 2.0;         // By which a mark may lie beside in another picture,
@@ -28,6 +29,7 @@ constexpr double kMostReach_px = 16.0;
 constexpr double kKnown = 0.5;  // Of a mark's pixels that others show,
 constexpr double kShown = 0.6;  // and of these, that are lines there.
 constexpr double kThick_px = 3.0;
+constexpr int kTrace_px = 1;
 
 cv::Point Round(const cv::Point2d& pixel) {
   return {static_cast<int>(std::lround(pixel.x)), static_cast<int>(std::lround(pixel.y))};
@@ -113,19 +115,25 @@ void ThinLines::Add(const Sight& sight, const Prediction& prediction) {
   picture.scale = std::min(1.0, kMaxWidth_px / sight.bgr.cols);
   cv::resize(Only(prediction.label, Seen::kGround), picture.ground, cv::Size(), picture.scale, picture.scale,
              cv::INTER_NEAREST);
-  picture.shown = cv::Mat1b(picture.ground.size(), uchar{0});
+  picture.clear = cv::Mat1b(picture.ground.size(), uchar{0});
+  picture.traces = cv::Mat1b(picture.ground.size(), uchar{0});
   cv::Mat1b grey;
   cv::cvtColor(sight.bgr, grey, cv::COLOR_BGR2GRAY);
   const Backdrop backdrop(sight, prediction);
+  const cv::Rect all({}, picture.ground.size());
   for (const double scale : {picture.scale, picture.scale / 2.0}) {
     for (const Ridge& ridge : FindRidgesInSmaller(grey, scale)) {
-      for (const cv::Point& pixel : ridge.pixels)
-        picture.shown(Square(Round(cv::Point2d(pixel) * picture.scale), 0) &
-                      cv::Rect({}, picture.shown.size())) = 255;
+      for (const cv::Point& pixel : ridge.pixels) {
+        const cv::Point at = Round(cv::Point2d(pixel) * picture.scale);
+        picture.traces(Square(at, kTrace_px) & all) = 255;
+        if (ridge.is_clear) picture.clear(Square(at, 0) & all) = 255;
+      }
+      if (!ridge.is_clear) continue;
       Line line{backdrop.Keep(ridge), backdrop.ReachModel(ridge)};
-      const bool is_upright =
-          std::abs(ridge.along.y) > kStraight && ridge.length_px() > kLeastUpright * sight.bgr.rows;
-      if (line.pixels.size() < kLeastPixels || (line.extended.empty() && !is_upright)) continue;
+      const double length = ridge.length_px() / sight.bgr.cols;
+      const bool is_free = line.extended.empty();
+      if (line.pixels.size() < kLeastPixels || length < (is_free ? kLeastUpright : kLeastLong)) continue;
+      if (is_free && std::abs(ridge.along.y) < kStraight) continue;
       line.is_on_ground = backdrop.AreOnGround(line.pixels);
       picture.lines.push_back(std::move(line));
     }
@@ -134,15 +142,15 @@ void ThinLines::Add(const Sight& sight, const Prediction& prediction) {
 
 ThinLines::Shows ThinLines::Look(const Picture& picture, const Eigen::Vector3d& on_ground) {
   const auto pixel = Project(picture.view, on_ground);
-  if (!pixel || picture.shown.empty()) return Shows::kNothing;
+  if (!pixel || picture.clear.empty()) return Shows::kNothing;
   const cv::Point at = Round({pixel->x() * picture.scale, pixel->y() * picture.scale});
   if (!cv::Rect({}, picture.ground.size()).contains(at) || picture.ground(at) == 0) return Shows::kNothing;
   const double away_m = (picture.view.map_from_camera.translation_m - on_ground).norm();
   const double std_px = picture.scale * picture.view.intrinsics.fx_px *
                         (picture.view.orientation_std_rad + picture.view.position_std_m / away_m);
   const int reach = static_cast<int>(std::min(kMostReach_px, kReach_px + kReachSigmas * std_px));
-  const cv::Rect about = Square(at, reach) & cv::Rect({}, picture.shown.size());
-  return cv::countNonZero(picture.shown(about)) > 0 ? Shows::kLine : Shows::kGround;
+  const cv::Rect about = Square(at, reach) & cv::Rect({}, picture.clear.size());
+  return cv::countNonZero(picture.clear(about)) > 0 ? Shows::kLine : Shows::kGround;
 }
 
 bool ThinLines::IsMark(const Picture& picture, const Line& line) const {
@@ -169,16 +177,20 @@ cv::Mat1b ThinLines::Settle(std::size_t number) const {
   SOFFIT_EXPECT(number < pictures_.size());
   const Picture& picture = pictures_[number];
   const Intrinsics& k = picture.view.intrinsics;
-  cv::Mat1b mask(cv::Size(k.width_px, k.height_px), uchar{0});
+  cv::Mat1b marks(cv::Size(k.width_px, k.height_px), static_cast<uchar>(LineMark::kNone));
+  if (picture.traces.empty()) return marks;
+  cv::Mat1b traces;
+  cv::resize(picture.traces, traces, marks.size(), 0.0, 0.0, cv::INTER_NEAREST);
+  marks.setTo(static_cast<uchar>(LineMark::kTrace), traces);
   const int reach = static_cast<int>(std::lround(kThick_px / picture.scale)) / 2;
   for (const Line& line : picture.lines) {
     if (IsMark(picture, line)) continue;
     for (const auto* pixels : {&line.pixels, &line.extended}) {
       for (const cv::Point2d& pixel : *pixels)
-        mask(Square(Round(pixel), reach) & cv::Rect({}, mask.size())) = 255;
+        marks(Square(Round(pixel), reach) & cv::Rect({}, marks.size())) = static_cast<uchar>(LineMark::kLine);
     }
   }
-  return mask;
+  return marks;
 }
 
 }  // namespace soffit

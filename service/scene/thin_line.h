@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -8,10 +9,18 @@
 
 namespace soffit {
 
+/// Whether a pixel shows a thin line.
+enum class LineMark : std::uint8_t {
+  kNone,
+  kTrace,  ///< It looks like one: noise, texture and edges do, too.
+  kLine    ///< One that may hang or stand before the background.
+};
+
 /// Finds thin lines before background that may be cables, ropes or slim poles: they begin at the model's
 /// edge, or are long and about upright. One picture does not tell them from what lies far behind. So the rays
-/// of such a line prove nothing, and what stands where it may be has to be seen through by another picture.
-/// Lines that other pictures show at the same place of the ground, from elsewhere, are marks of the ground.
+/// of such a line prove nothing, and what stands where it may be has to be seen through by another picture
+/// that shows not even a trace of a line there. Lines that other pictures show at the same place of the
+/// ground, from elsewhere, are marks of the ground.
 ///
 /// Lines are half a pixel to about seven pixels wide in pictures of up to 1600 pixels across; larger ones are
 /// looked at in that size.
@@ -22,7 +31,7 @@ class ThinLines {
   void Add(const Sight& sight, const Prediction& prediction);
 
   /// @param number  Of the picture, from 0 in the order of Add().
-  /// @return 255 where it shows such lines that are no marks; size of the picture.
+  /// @return A LineMark for each pixel.
   cv::Mat1b Settle(std::size_t number) const;
 
  private:
@@ -35,7 +44,8 @@ class ThinLines {
     View view;
     double scale = 1.0;  ///< Pixels of the masks per pixel.
     std::vector<Line> lines;
-    cv::Mat1b shown;   ///< 255 on every line, also on those that are no cables.
+    cv::Mat1b clear;   ///< 255 on every clear ridge, also where no cable can be,
+    cv::Mat1b traces;  ///< and about any ridge.
     cv::Mat1b ground;  ///< 255 where ground is predicted.
   };
   /// How another picture shows a place of the ground.

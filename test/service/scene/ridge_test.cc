@@ -31,20 +31,26 @@ void AddNoise(cv::Mat1b& picture, double std) {
   for (uchar& value : picture) value = cv::saturate_cast<uchar>(value + random.gaussian(std));
 }
 
+std::vector<Ridge> FindClear(const cv::Mat1b& picture) {
+  std::vector<Ridge> ridges = FindRidges(picture);
+  std::erase_if(ridges, [](const Ridge& ridge) { return !ridge.is_clear; });
+  return ridges;
+}
+
 TEST(FindRidges, FindsNoneInAnEmptyOrEvenPicture) {
   EXPECT_THAT(FindRidges(cv::Mat1b()), IsEmpty());
   EXPECT_THAT(FindRidges(cv::Mat1b(1, 1, uchar{9})), IsEmpty());
   EXPECT_THAT(FindRidges(Grey()), IsEmpty());
 }
 
-TEST(FindRidges, FindsNoneInNoise) {
+TEST(FindRidges, FindsNoClearOneInNoise) {
   cv::Mat1b picture = Grey();
   AddNoise(picture, 8.0);
-  EXPECT_THAT(FindRidges(picture), IsEmpty());
+  EXPECT_THAT(FindClear(picture), IsEmpty());
 }
 
 TEST(FindRidges, MeasuresALineOfHalfAPixel) {
-  const auto ridges = FindRidges(WithLine({40.0, 10.0}, {52.0, 100.0}, 0.5, 20));
+  const auto ridges = FindClear(WithLine({40.0, 10.0}, {52.0, 100.0}, 0.5, 20));
   ASSERT_THAT(ridges, SizeIs(1));
   EXPECT_NEAR(ridges[0].length_px(), std::hypot(12.0, 90.0), 5.0);
   EXPECT_GT(std::abs(ridges[0].along.dot(cv::Point2d(12.0, 90.0))), 0.999 * std::hypot(12.0, 90.0));
@@ -58,7 +64,7 @@ TEST(FindRidges, FindsBrightLinesAndDarkOnesUpToFourPixelsWideInNoise) {
       cv::Mat1b picture = WithLine({20.0, 90.0}, {140.0, 30.0}, width_px, value);
       AddNoise(picture, 5.0);
       double length_px = 0.0;
-      for (const Ridge& ridge : FindRidges(picture)) length_px += ridge.length_px();
+      for (const Ridge& ridge : FindClear(picture)) length_px += ridge.length_px();
       EXPECT_GT(length_px, 100.0) << width_px << " px, of " << value;
     }
   }
@@ -67,22 +73,22 @@ TEST(FindRidges, FindsBrightLinesAndDarkOnesUpToFourPixelsWideInNoise) {
 TEST(FindRidges, FollowsALineThatSags) {
   cv::Mat1b picture = Grey();
   cv::ellipse(picture, cv::Point(80, 20), cv::Size(70, 30), 0.0, 10.0, 170.0, cv::Scalar(40), 1, cv::LINE_AA);
-  const auto ridges = FindRidges(picture);
+  const auto ridges = FindClear(picture);
   ASSERT_THAT(ridges, SizeIs(1));
   EXPECT_GT(ridges[0].length_px(), 120.0);
 }
 
-TEST(FindRidges, TakesAnEdgeForNoLine) {
+TEST(FindRidges, TakesAnEdgeForNoClearLine) {
   for (const double slope : {0.0, 0.3}) {
     cv::Mat1b picture = Grey();
     const std::vector<cv::Point> half = {{0, 60}, {159, cvRound(60 + 159 * slope)}, {159, 119}, {0, 119}};
     cv::fillPoly(picture, std::vector<std::vector<cv::Point>>{half}, cv::Scalar(40), cv::LINE_AA);
-    EXPECT_THAT(FindRidges(picture), IsEmpty()) << slope;
+    EXPECT_THAT(FindClear(picture), IsEmpty()) << slope;
   }
 }
 
-TEST(FindRidges, TakesAShortDashForNoLine) {
-  EXPECT_THAT(FindRidges(WithLine({40.0, 40.0}, {50.0, 40.0}, 1.0, 20)), IsEmpty());
+TEST(FindRidges, TakesAShortDashForNoClearLine) {
+  EXPECT_THAT(FindClear(WithLine({40.0, 40.0}, {50.0, 40.0}, 1.0, 20)), IsEmpty());
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "test/support/painted_world.h"
 
 namespace soffit {
@@ -19,18 +21,21 @@ cv::Mat1b Find(const std::vector<View>& views, const std::vector<test::Thing>& o
   return lines.Settle(0);
 }
 
+int CountLines(const cv::Mat1b& marks) {
+  return static_cast<int>(std::count(marks.begin(), marks.end(), static_cast<uchar>(LineMark::kLine)));
+}
+
 bool IsShownAt(const cv::Mat1b& lines, const View& view, const Eigen::Vector3d& place) {
   const Eigen::Vector2d pixel = Project(view, place).value();
-  return lines(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x()))) != 0;
+  return lines(static_cast<int>(std::lround(pixel.y())), static_cast<int>(std::lround(pixel.x()))) ==
+         static_cast<uchar>(LineMark::kLine);
 }
 
 test::Thing Rod(double x0, double y0, double x1, double y1, double low_m, double high_m) {
   return test::Block(test::Box(x0, y0, x1, y1), low_m, high_m, kDark);
 }
 
-TEST(ThinLines, AreNoneWhereThePassageIsFree) {
-  EXPECT_EQ(cv::countNonZero(Find({test::FromSouth()}, {})), 0);
-}
+TEST(ThinLines, AreNoneWhereThePassageIsFree) { EXPECT_EQ(CountLines(Find({test::FromSouth()}, {})), 0); }
 
 TEST(ThinLines, AreACableThatHangsInThePassageUpToTheModel) {
   const View view = test::FromSouth();
@@ -54,15 +59,15 @@ TEST(ThinLines, AreASlimPoleThatStandsFree) {
 TEST(ThinLines, AreNoMarksOfTheGroundThatAnotherPictureShowsThereToo) {
   const View view = test::FromSouth();
   const test::Thing joint = Rod(0.2, -3.5, 0.23, -0.8, 0.0, 0.001);
-  EXPECT_GT(cv::countNonZero(Find({view}, {joint})), 0);
+  EXPECT_GT(CountLines(Find({view}, {joint})), 0);
   const View besides = test::LevelView({3.5, -3.0, 1.1}, 2.4);
-  EXPECT_EQ(cv::countNonZero(Find({view, besides}, {joint})), 0);
+  EXPECT_EQ(CountLines(Find({view, besides}, {joint})), 0);
 }
 
 TEST(ThinLines, AreNotLookedForInPicturesFromAbove) {
   View view = test::LevelView({0.0, 0.0, 6.0}, 0.0);
   view.map_from_camera.rotation = CameraAttitude(0.0, -1.57);
-  EXPECT_EQ(cv::countNonZero(Find({view}, {Rod(2.5, -1.0, 2.53, 1.0, 0.0, 0.01)})), 0);
+  EXPECT_EQ(CountLines(Find({view}, {Rod(2.5, -1.0, 2.53, 1.0, 0.0, 0.01)})), 0);
 }
 
 }  // namespace
