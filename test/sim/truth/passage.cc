@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
@@ -226,8 +227,42 @@ std::vector<Passage> FindAlong(const Site& site, double yaw_rad) {
   return passages;
 }
 
-/// Directions from 0 to 180 degrees: across each side of the footprint first, then evenly.
-std::vector<double> ListDirections(const std::vector<Polygon>& footprint) {
+/// Directions from 0 to 180 degrees along the largest upright faces, the walls of a slanted passage among
+/// them, largest first.
+std::vector<double> ListWallDirections(const std::vector<Triangle>& building) {
+  constexpr int kMost = 12;
+  constexpr double kBin_rad = 0.25 * std::numbers::pi / 180.0;
+  struct Walls {
+    double area_m2 = 0.0;
+    double yaw_rad = 0.0;  ///< Of the largest.
+    double largest_m2 = 0.0;
+  };
+  std::map<long, Walls> by_direction;
+  for (const auto& [a, b, c] : building) {
+    const Vector3d normal = 0.5 * (b - a).cross(c - a);
+    if (!(std::abs(normal.z()) < 1e-3 * normal.norm())) continue;
+    const double yaw =
+        std::fmod(std::atan2(normal.x(), -normal.y()) + 2.0 * std::numbers::pi, std::numbers::pi);
+    Walls& walls = by_direction[std::lround(yaw / kBin_rad)];
+    walls.area_m2 += normal.norm();
+    if (normal.norm() <= walls.largest_m2) continue;
+    walls.largest_m2 = normal.norm();
+    walls.yaw_rad = yaw;
+  }
+  std::vector<Walls> sorted;
+  for (const auto& [bin, walls] : by_direction) sorted.push_back(walls);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const Walls& a, const Walls& b) { return a.area_m2 > b.area_m2; });
+  std::vector<double> directions;
+  for (const Walls& walls : sorted) {
+    if (directions.size() < kMost) directions.push_back(walls.yaw_rad);
+  }
+  return directions;
+}
+
+/// Directions from 0 to 180 degrees: across each side of the footprint first, then along the largest walls,
+/// then evenly.
+std::vector<double> ListDirections(const Site& site) {
   std::vector<double> directions;
   const auto add = [&](double yaw_rad, double least_rad) {
     const double yaw = std::fmod(yaw_rad + 4.0 * std::numbers::pi, std::numbers::pi);
@@ -236,12 +271,13 @@ std::vector<double> ListDirections(const std::vector<Polygon>& footprint) {
     });
     if (!is_known) directions.push_back(yaw);
   };
-  for (const Polygon& polygon : footprint) {
+  for (const Polygon& polygon : site.footprint) {
     for (std::size_t i = 0; i < polygon.outer.size(); ++i) {
       const Vector2d side = polygon.outer[(i + 1) % polygon.outer.size()] - polygon.outer[i];
       add(std::atan2(-side.x(), side.y()), 1e-3);
     }
   }
+  for (const double yaw : ListWallDirections(site.building)) add(yaw, 1e-3);
   for (double yaw = 0.0; yaw < std::numbers::pi; yaw += kStep_rad) add(yaw, 0.4 * kStep_rad);
   return directions;
 }
@@ -281,7 +317,7 @@ std::vector<Passage> FindPassages(const Site& whole_site) {
   if (whole_site.building.empty()) return {};
   const Site site = WithoutFarThings(whole_site);
   std::vector<Passage> found;
-  for (const double yaw : ListDirections(site.footprint)) {
+  for (const double yaw : ListDirections(site)) {
     for (const Passage& passage : FindAlong(site, yaw)) found.push_back(passage);
   }
   // Passable before impassable; those across a wall, which were found first, before slanted ones that win by

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "test/sim/world/space.h"
 
@@ -57,6 +58,26 @@ TEST(FindTruth, RefusesWhatIsAHairTooTight) {
   const Truth low = TruthOf(Arch(1.7, 0.795));
   EXPECT_EQ(low.expected, Outcome::kNotFlown);
   EXPECT_NEAR(low.objects[0].passages.at(0).spare_m, -0.005, 1e-6);
+}
+
+/// A block 5.2 m wide and 1.6 m deep, turned by 31 degrees, with a passage that is slanted to its walls by 30
+/// degrees.
+std::string SlantedPassage(double free_m) {
+  const double slant = std::numbers::pi / 6, mouth = free_m / std::cos(slant), shift = 1.6 * std::tan(slant);
+  const auto at = [](double x, double y) { return "[" + std::to_string(x) + ", " + std::to_string(y) + "]"; };
+  const double left = -(mouth + shift) / 2, right = left + mouth;
+  return "buildings:\n- {id: a, position: [1, 2], yaw_deg: 31, parts: [{polygon: [[-2.6, -0.8], " +
+         at(left, -0.8) + ", " + at(left + shift, 0.8) + ", [-2.6, 0.8]], z: [0, 1.5]}, {polygon: [" +
+         at(right, -0.8) + ", [2.6, -0.8], [2.6, 0.8], " + at(right + shift, 0.8) +
+         "], z: [0, 1.5]}, {box: {center: [0, 0], size: [5.2, 1.6]}, z: [1.5, 2.3]}]}\n";
+}
+
+TEST(FindTruth, MeasuresASlantedPassageAlongItsWalls) {
+  const Truth truth = TruthOf(SlantedPassage(1.205));
+  EXPECT_EQ(truth.expected, Outcome::kFlown);
+  const Passage& passage = truth.objects[0].passages.at(0);
+  EXPECT_NEAR(passage.free_width_m, 1.205, 1e-5);
+  EXPECT_EQ(TruthOf(SlantedPassage(1.195)).expected, Outcome::kNotFlown);
 }
 
 TEST(FindTruth, SeesARecessAsNoPassage) {
@@ -152,6 +173,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"round_arch", Outcome::kFlown}, Expectation{"table", Outcome::kFlown},
                     Expectation{"l_passage", Outcome::kFlown}, Expectation{"high_window", Outcome::kFlown},
                     Expectation{"gusty", Outcome::kFlown}, Expectation{"tall", Outcome::kFlown},
+                    Expectation{"slanted", Outcome::kFlown}, Expectation{"bent", Outcome::kNotFlown},
                     Expectation{"absent", Outcome::kNoMatch}),
     [](const auto& scenario) { return std::string(scenario.param.name); });
 
