@@ -124,7 +124,6 @@ std::optional<Viewpoint> PlanLook(const Scene& scene, const Corridor& corridor,
   const std::vector<Eigen::Vector3d> places = Thin(unknown_m);
   Eigen::Vector3d aim = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& place : places) aim += place / static_cast<double>(places.size());
-  const Eigen::Vector3d middle = 0.5 * (corridor.entry_in_map_m + corridor.exit_in_map_m);
   const double lowest_m =
       0.5 * vehicle.NeededHeight_m() + std::min(kLeastAltitude_m, vehicle.safety_margin_m);
   const double flown_m = corridor.entry_in_map_m.z();
@@ -133,7 +132,11 @@ std::optional<Viewpoint> PlanLook(const Scene& scene, const Corridor& corridor,
 
   std::optional<Viewpoint> best;
   double best_score = 0.0;
-  for (const Eigen::Vector3d& end : {corridor.entry_in_map_m, corridor.exit_in_map_m}) {
+  const std::vector<Eigen::Vector3d> path = corridor.Path();
+  for (const bool is_reverse : {false, true}) {
+    const Eigen::Vector3d& end = is_reverse ? path.back() : path.front();
+    const Eigen::Vector3d& next = is_reverse ? path[path.size() - 2] : path[1];
+    const Eigen::Vector3d middle = 0.5 * (end + next);
     const Eigen::Vector2d outward = (end - middle).head<2>().normalized();
     const Eigen::Vector2d aside(-outward.y(), outward.x());
     for (const double back_m : kBack) {

@@ -25,6 +25,10 @@ constexpr double kPixelStd = 0.7;
 constexpr double kSameWidthShare = 0.92;  // A gap that narrows less shows no sides of a recess.
 constexpr double kMisfitSigmas = 6.0;     // Of the pose: by so much the picture may be beside the wall's end.
 constexpr int kHeadSegments = 24;
+constexpr double kJambCells = 2.5;        // A jamb's foot that moves by less does not drift.
+constexpr double kJambShare = 0.15;       // Of the horizon's height: so far up its foot is looked at,
+constexpr double kJambEnd = 0.9;          // and so far to its end.
+constexpr double kThresholdShare = 0.06;  // The same where its end is not known.
 
 bool Is(uchar seen, Seen wanted) { return seen == static_cast<uchar>(wanted); }
 
@@ -180,16 +184,68 @@ struct Span {
   double high = 0.0;
 };
 
-/// Left and right side of an opening that stands on the ground, from where its jambs meet the ground: on the
-/// wall's plane these lines run from the jamb's foot towards the camera's foot, however deep the jamb is.
-std::optional<Span> MeasureFoot(const Elevation& view, const Gap& gap) {
+/// A jamb of an opening that stands on the ground, from where its foot runs.
+struct Jamb {
+  double u_m = 0.0;             ///< Where it begins, in the wall's plane.
+  std::optional<double> drift;  ///< Of u for each metre into the building; none: the mouth's edge hides it.
+};
+
+struct Jambs {
+  Jamb left, right;
+  Span Mouth() const { return {left.u_m, right.u_m}; }
+};
+
+/// y = value + slope x, from the medians over all pairs of points (H. Theil, P. Sen).
+struct SteadyLine {
+  double value = 0.0;
+  double slope = 0.0;
+};
+
+SteadyLine FitSteadyLine(const std::vector<Eigen::Vector2d>& points) {
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = i + 1; j < points.size(); ++j)
+      slopes.push_back((points[j].y() - points[i].y()) / (points[j].x() - points[i].x()));
+  }
+  const double slope = slopes.empty() ? 0.0 : Median(slopes);
+  std::vector<double> values;
+  for (const Eigen::Vector2d& p : points) values.push_back(p.y() - slope * p.x());
+  return {Median(values), slope};
+}
+
+/// @param foot  (depth behind the wall's plane, u seen in the wall's plane), deeper ones later; not empty.
+Jamb FitJamb(const Elevation& view, std::vector<Eigen::Vector2d> foot) {
+  const double reach = kJambCells * view.cell_m;
+  const auto drifts = [&](const SteadyLine& line) {
+    return std::abs(line.slope) * (foot.back().x() - foot.front().x()) > reach;
+  };
+  const auto middle = [&] {
+    std::vector<double> us;
+    for (const Eigen::Vector2d& p : foot) us.push_back(p.y());
+    return Median(us);
+  };
+  if (!drifts(FitSteadyLine(foot))) return {middle(), std::nullopt};
+  for (Eigen::Vector2d& p : foot) {
+    p.y() = view.camera_uv_m.x() + (p.y() - view.camera_uv_m.x()) * (1.0 + p.x() / view.camera_front_m);
+  }
+  const SteadyLine line = FitSteadyLine(foot);
+  return drifts(line) ? Jamb{line.value, line.slope} : Jamb{middle(), 0.0};
+}
+
+/// The jambs of an opening that stands on the ground, from where they meet the ground: a line on the wall's
+/// plane that begins where the jamb does, whatever way it leads.
+///
+/// @param depth_m  To the far mouth; 0: not known.
+std::optional<Jambs> MeasureJambs(const Elevation& view, const Gap& gap, double depth_m) {
   const double horizon = view.camera_uv_m.y();
-  std::vector<double> lefts, rights;
-  const double up_to = std::max(4.0 * view.cell_m, 0.06 * horizon);
+  const double up_to =
+      depth_m > 0.0 ? std::min(kJambShare, kJambEnd * depth_m / (view.camera_front_m + depth_m)) * horizon
+                    : kThresholdShare * horizon;
+  std::vector<Eigen::Vector2d> left, right;
   for (int row = 0; row < gap.inside.rows; ++row) {
     const double v = view.Center(0, row + gap.bounds.y).y();
     if (v < 1.5 * view.cell_m) continue;
-    if (v > up_to) break;
+    if (v > std::max(4.0 * view.cell_m, up_to)) break;
     int first = -1;
     int last = -1;
     for (int column = 0; column < gap.inside.cols; ++column) {
@@ -198,12 +254,14 @@ std::optional<Span> MeasureFoot(const Elevation& view, const Gap& gap) {
       last = column;
     }
     if (first < 0) continue;
-    const Mouth base{view.camera_uv_m, std::max(0.05, (horizon - v) / horizon)};
-    lefts.push_back(base.Left((gap.bounds.x + first) * view.cell_m));
-    rights.push_back(base.Right((gap.bounds.x + last + 1) * view.cell_m));
+    const double below_horizon = std::max(0.05 * horizon, horizon - v);
+    if (!(below_horizon > 0.0)) break;
+    const double depth = view.camera_front_m * v / below_horizon;
+    left.emplace_back(depth, (gap.bounds.x + first) * view.cell_m);
+    right.emplace_back(depth, (gap.bounds.x + last + 1) * view.cell_m);
   }
-  if (lefts.empty()) return std::nullopt;
-  return Span{Median(lefts), Median(rights)};
+  if (left.empty()) return std::nullopt;
+  return Jambs{FitJamb(view, std::move(left)), FitJamb(view, std::move(right))};
 }
 
 /// Sides of an opening that does not reach the ground, from its middle rows.
@@ -367,7 +425,8 @@ std::optional<Recess> MeasureRecess(const Elevation& view, const Sight& sight, c
                                     double deepest_m) {
   Mouth mouth{view.camera_uv_m, 1.0};
   const Span inner = MeasureSides(view, gap, mouth);
-  const Span foot = gap.is_standing ? MeasureFoot(view, gap).value_or(inner) : inner;
+  const std::optional<Jambs> jambs = gap.is_standing ? MeasureJambs(view, gap, 0.0) : std::nullopt;
+  const Span foot = jambs ? jambs->Mouth() : inner;
   const double width_m = foot.high - foot.low;
   if (!(width_m > 2.0 * view.cell_m)) return std::nullopt;
   const double share = (inner.high - inner.low) / width_m;
@@ -406,7 +465,11 @@ std::optional<Opening> MeasureOpening(const Elevation& view, const Sight& sight,
   Span sides = MeasureSides(view, gap, mouth);
   double bottom = 0.0;
   if (gap.is_standing) {
-    if (const std::optional<Span> foot = MeasureFoot(view, gap)) sides = *foot;
+    if (const auto jambs = MeasureJambs(view, gap, way ? way->length_m : 0.0)) {
+      sides = jambs->Mouth();
+      opening.left_drift = jambs->left.drift;
+      opening.right_drift = jambs->right.drift;
+    }
   } else {
     bottom = mouth.Bottom(gap.bounds.y * view.cell_m);
   }

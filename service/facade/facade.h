@@ -37,8 +37,11 @@ struct Recess {
 /// An opening of one wall. Wall coordinates: u along the footprint's side from its first corner, v up from
 /// the ground.
 struct Opening {
-  Ring ring_in_wall_m;      ///< Counter-clockwise seen from outside, simple.
-  double std_m = 0.0;       ///< Of its sides.
+  Ring ring_in_wall_m;               ///< Counter-clockwise seen from outside, simple.
+  double std_m = 0.0;                ///< Of its sides.
+  std::optional<double> left_drift;  ///< Of u along its left jamb, for each metre into the building: 0 leads
+                                     ///< straight in. None: the picture does not show the jamb's foot.
+  std::optional<double> right_drift;
   bool is_through = false;  ///< Proved by evidence: background seen through it.
   bool shows_background =
       false;  ///< Some background is seen through it; when it is not `is_through`: too little to tell.

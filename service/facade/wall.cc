@@ -40,10 +40,10 @@ Wall WallOf(const Ring& outer, int side) {
   return wall;
 }
 
-std::optional<WayOut> FindWayOut(const Polygon& footprint, int side, double u_m) {
+std::optional<WayOut> FindWayOut(const Polygon& footprint, int side, double u_m, double drift) {
   const Wall wall = WallOf(footprint.outer, side);
   const Eigen::Vector2d origin = wall.InPlan(u_m);
-  const Eigen::Vector2d inward = -wall.outward;
+  const Eigen::Vector2d inward = (drift * wall.along - wall.outward).normalized();
   WayOut out;
   out.length_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < footprint.outer.size(); ++i) {
@@ -59,7 +59,7 @@ std::optional<WayOut> FindWayOut(const Polygon& footprint, int side, double u_m)
   }
   if (out.side < 0 || out.side == side) return std::nullopt;
   const Wall exit = WallOf(footprint.outer, out.side);
-  if (!(exit.outward.dot(inward) >= kOppositeCosine)) return std::nullopt;
+  if (!(-exit.outward.dot(wall.outward) >= kOppositeCosine)) return std::nullopt;
   out.u_m = exit.U(origin + out.length_m * inward);
   return out;
 }

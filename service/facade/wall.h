@@ -29,8 +29,7 @@ struct Wall {
 /// The wall on side `side` (corner `side` to the next) of a counter-clockwise ring.
 Wall WallOf(const Ring& outer, int side);
 
-/// Where a horizontal line that goes into a building at `u_m` of wall `side`, at right angles to it, comes
-/// out again.
+/// Where a horizontal line that goes into a building at `u_m` of wall `side` comes out again.
 struct WayOut {
   int side = -1;
   double u_m = 0.0;       ///< On the wall where it comes out.
@@ -39,6 +38,8 @@ struct WayOut {
 
 /// None when the line leaves through a courtyard, or through a wall that is not roughly (20 degrees)
 /// opposite.
-std::optional<WayOut> FindWayOut(const Polygon& footprint, int side, double u_m);
+///
+/// @param drift  Of u for each metre into the building; 0: at right angles to the wall.
+std::optional<WayOut> FindWayOut(const Polygon& footprint, int side, double u_m, double drift = 0.0);
 
 }  // namespace soffit

@@ -63,7 +63,7 @@ struct Findings {
     const Eigen::AlignedBox3d around_m(from_m.cwiseMin(to_m) - reach_m, from_m.cwiseMax(to_m) + reach_m);
     if (known_m.intersects(around_m)) {
       const Sweep sweep =
-          SweepOctree(*scene.octree, from_m.head<2>(), to_m.head<2>(), aside_m, bottom_m, top_m);
+          SweepOctree(*scene.octree, {from_m.head<2>(), to_m.head<2>()}, aside_m, bottom_m, top_m);
       unknown_m.insert(unknown_m.end(), sweep.unknown_m.begin(), sweep.unknown_m.end());
       if (sweep.first_occupied_m) occupied_m.push_back(*sweep.first_occupied_m);
     } else {

@@ -1,21 +1,27 @@
 #include "service/scene/sweep.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace soffit {
 
-Sweep SweepOctree(const octomap::OcTree& tree, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
-                  double radius_m, double bottom_m, double top_m) {
+Sweep SweepOctree(const octomap::OcTree& tree, const std::vector<Eigen::Vector2d>& path, double radius_m,
+                  double bottom_m, double top_m) {
   const double voxel = tree.getResolution();
-  const Eigen::Vector2d low = from.cwiseMin(to).array() - radius_m;
-  const Eigen::Vector2d high = from.cwiseMax(to).array() + radius_m;
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& point : path) box.extend(point);
+  const Eigen::Vector2d low = box.min().array() - radius_m;
+  const Eigen::Vector2d high = box.max().array() + radius_m;
   const auto first = [&](double at) { return static_cast<int>(std::floor(at / voxel)); };
   Sweep sweep;
   for (int x = first(low.x()); x <= first(high.x()); ++x) {
     for (int y = first(low.y()); y <= first(high.y()); ++y) {
       const Eigen::Vector2d plan((x + 0.5) * voxel, (y + 0.5) * voxel);
-      const double distance = DistanceToSegment(plan, from, to);
+      double distance = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i + 1 < path.size(); ++i)
+        distance = std::min(distance, DistanceToSegment(plan, path[i], path[i + 1]));
       if (distance > radius_m) continue;
       for (int z = first(bottom_m); z <= first(top_m); ++z) {
         const Eigen::Vector3d center(plan.x(), plan.y(), (z + 0.5) * voxel);

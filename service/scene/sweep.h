@@ -16,10 +16,10 @@ struct Sweep {
   double SeenRatio() const { return voxels > 0 ? static_cast<double>(free) / voxels : 0.0; }
 };
 
-/// A vertical cylinder swept from `from` to `to` through the tree, from `bottom_m` to `top_m` above the
-/// ground. Unknown is where there is no node. An occupied voxel counts when all of it lies inside: at the
-/// rim, where a surface only touches a voxel, the exact geometry decides.
-Sweep SweepOctree(const octomap::OcTree& tree, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
-                  double radius_m, double bottom_m, double top_m);
+/// A vertical cylinder swept along `path` (two points at least) through the tree, from `bottom_m` to `top_m`
+/// above the ground. Unknown is where there is no node. An occupied voxel counts when all of it lies inside:
+/// at the rim, where a surface only touches a voxel, the exact geometry decides.
+Sweep SweepOctree(const octomap::OcTree& tree, const std::vector<Eigen::Vector2d>& path, double radius_m,
+                  double bottom_m, double top_m);
 
 }  // namespace soffit

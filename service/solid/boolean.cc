@@ -18,29 +18,29 @@ namespace pmp = CGAL::Polygon_mesh_processing;
 
 Kernel::Point_3 ToPoint(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 
-/// Closed triangle mesh with outward normals; empty when the prism is degenerate.
-Surface Raise(const Prism& prism) {
+/// Closed triangle mesh with outward normals; empty when the tube is degenerate.
+Surface Raise(const Tube& tube) {
   Surface surface;
-  if (prism.ring.size() < 3 || !IsSimple(prism.ring)) return surface;
-  const bool is_flipped = prism.x_axis.cross(prism.y_axis).dot(prism.sweep_m) < 0.0;
-  std::vector<Surface::Vertex_index> near, far;
-  for (const Eigen::Vector2d& at : prism.ring) {
-    const Eigen::Vector3d corner = prism.origin_m + at.x() * prism.x_axis + at.y() * prism.y_axis;
-    near.push_back(surface.add_vertex(ToPoint(corner)));
-    far.push_back(surface.add_vertex(ToPoint(corner + prism.sweep_m)));
+  const std::size_t corners = tube.rings_m.empty() ? 0 : tube.rings_m.front().size();
+  if (corners < 3 || tube.rings_m.size() < 2) return surface;
+  std::vector<std::vector<Surface::Vertex_index>> rings;
+  for (const std::vector<Eigen::Vector3d>& ring : tube.rings_m) {
+    if (ring.size() != corners) return {};
+    rings.emplace_back();
+    for (const Eigen::Vector3d& corner : ring) rings.back().push_back(surface.add_vertex(ToPoint(corner)));
   }
-  const std::size_t n = prism.ring.size();
-  const auto add = [&](std::vector<Surface::Vertex_index> face) {
-    if (is_flipped) std::reverse(face.begin(), face.end());
-    surface.add_face(face);
-  };
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t j = (i + 1) % n;
-    add({near[i], near[j], far[j]});
-    add({near[i], far[j], far[i]});
+  for (std::size_t k = 0; k + 1 < rings.size(); ++k) {
+    const auto& near = rings[k];
+    const auto& far = rings[k + 1];
+    for (std::size_t i = 0; i < corners; ++i) {
+      const std::size_t j = (i + 1) % corners;
+      surface.add_face(near[j], near[i], far[i]);
+      surface.add_face(near[j], far[i], far[j]);
+    }
   }
-  add(far);
-  add({near.rbegin(), near.rend()});
+  surface.add_face(rings.front());
+  std::reverse(rings.back().begin(), rings.back().end());
+  surface.add_face(rings.back());
   pmp::triangulate_faces(surface);
   return surface;
 }
@@ -80,11 +80,22 @@ Mesh ToMesh(const Surface& surface) {
 
 }  // namespace
 
-Result<Mesh> Subtract(const Prism& body, const std::vector<Prism>& cuts) {
+Tube::Tube(const Prism& prism) {
+  if (!IsSimple(prism.ring)) return;
+  rings_m.resize(2);
+  for (const Eigen::Vector2d& at : prism.ring) {
+    const Eigen::Vector3d corner = prism.origin_m + at.x() * prism.x_axis + at.y() * prism.y_axis;
+    rings_m[0].push_back(corner);
+    rings_m[1].push_back(corner + prism.sweep_m);
+  }
+  if (prism.x_axis.cross(prism.y_axis).dot(prism.sweep_m) > 0.0) std::reverse(rings_m.begin(), rings_m.end());
+}
+
+Result<Mesh> Subtract(const Tube& body, const std::vector<Tube>& cuts) {
   Surface rest = Raise(body);
   if (!IsSolid(rest))
     return InvalidInput("the footprint is not a simple counter-clockwise polygon with a height");
-  for (const Prism& cut : cuts) {
+  for (const Tube& cut : cuts) {
     Surface tool = Raise(cut);
     if (!IsSolid(tool)) return InvalidInput("an opening is not a simple counter-clockwise polygon");
     Surface difference;

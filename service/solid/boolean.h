@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "service/solid/solid.h"
@@ -15,8 +16,18 @@ struct Prism {
   Eigen::Vector3d sweep_m = Eigen::Vector3d::UnitZ();
 };
 
+/// Polygons with as many corners, each joined to the next by straight lines from corner to corner; the first
+/// is counter-clockwise seen from outside. Where four corners are not in one plane, two triangles fill the
+/// side.
+struct Tube {
+  explicit Tube(std::vector<std::vector<Eigen::Vector3d>> rings) : rings_m(std::move(rings)) {}
+  Tube(const Prism& prism);  // NOLINT(google-explicit-constructor): every prism is one.
+
+  std::vector<std::vector<Eigen::Vector3d>> rings_m;
+};
+
 /// `body` less all `cuts`, by corefinement with exact constructions (CGAL, Polygon Mesh Processing: S. Loriot
-/// et al.). An error when a prism is degenerate or the difference is not a solid.
-Result<Mesh> Subtract(const Prism& body, const std::vector<Prism>& cuts);
+/// et al.). An error when one is degenerate or the difference is not a solid.
+Result<Mesh> Subtract(const Tube& body, const std::vector<Tube>& cuts);
 
 }  // namespace soffit

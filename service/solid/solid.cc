@@ -3,135 +3,57 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
+#include <set>
 
 #include "service/facade/wall.h"
 #include "service/solid/boolean.h"
+#include "service/solid/passage.h"
 
 namespace soffit {
 namespace {
 
-constexpr double kOvercut_m = 0.01;   // Cuts reach this far out of the solid, so that no faces coincide.
-constexpr double kMinOverlap = 0.5;   // Of the smaller mouth's width: less is no counterpart.
-constexpr double kAgreeSigmas = 6.0;  // By more, the mouths of one passage do not differ.
-
-struct Extent {
-  double left = 0.0, right = 0.0, bottom = 0.0, top = 0.0;
-};
-
-Extent ExtentOf(const Ring& ring) {
-  Extent extent{ring.front().x(), ring.front().x(), ring.front().y(), ring.front().y()};
-  for (const Eigen::Vector2d& p : ring) {
-    extent = {std::min(extent.left, p.x()), std::max(extent.right, p.x()), std::min(extent.bottom, p.y()),
-              std::max(extent.top, p.y())};
-  }
-  return extent;
-}
-
-bool Agree(const Extent& a, const Extent& b, double reach) {
-  return std::abs(a.left - b.left) <= reach && std::abs(a.right - b.right) <= reach &&
-         std::abs(a.bottom - b.bottom) <= reach && std::abs(a.top - b.top) <= reach;
-}
-
-double AreaOf(const Extent& e) { return (e.right - e.left) * (e.top - e.bottom); }
-
-/// The outline of an opening as heights over a horizontal coordinate; openings are x-monotone.
-struct Profile {
-  Ring ring;
-  /// Lowest and highest point at `u`; none outside.
-  std::optional<Eigen::Vector2d> At(double u) const {
-    std::optional<Eigen::Vector2d> span;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Eigen::Vector2d& a = ring[i];
-      const Eigen::Vector2d& b = ring[(i + 1) % ring.size()];
-      if ((a.x() < u && b.x() < u) || (a.x() > u && b.x() > u)) continue;
-      const double share = a.x() == b.x() ? 0.0 : (u - a.x()) / (b.x() - a.x());
-      for (const double v :
-           {a.y() + share * (b.y() - a.y()), a.x() == b.x() ? b.y() : a.y() + share * (b.y() - a.y())}) {
-        if (!span) span = Eigen::Vector2d(v, v);
-        span->x() = std::min(span->x(), v);
-        span->y() = std::max(span->y(), v);
-      }
-    }
-    return span;
-  }
-};
-
-/// Common part of two x-monotone openings, sampled at the corners of both; empty when they do not overlap.
-Ring CommonPart(const Ring& a, const Ring& b) {
-  const Extent of_a = ExtentOf(a);
-  const Extent of_b = ExtentOf(b);
-  const double left = std::max(of_a.left, of_b.left);
-  const double right = std::min(of_a.right, of_b.right);
-  if (!(right > left)) return {};
-  std::vector<double> stations = {left, right};
-  for (const Ring* ring : {&a, &b}) {
-    for (const Eigen::Vector2d& p : *ring) {
-      if (p.x() > left && p.x() < right) stations.push_back(p.x());
-    }
-  }
-  std::sort(stations.begin(), stations.end());
-  const double tiny = 1e-6 * (right - left);
-  stations.erase(
-      std::unique(stations.begin(), stations.end(), [&](double p, double q) { return q - p < tiny; }),
-      stations.end());
-  if (stations.size() < 2) return {};
-  Ring lower, upper;
-  for (std::size_t i = 0; i < stations.size(); ++i) {
-    double u = stations[i];
-    if (i == 0) u += tiny;
-    if (i + 1 == stations.size()) u -= tiny;
-    const auto in_a = Profile{a}.At(u);
-    const auto in_b = Profile{b}.At(u);
-    if (!in_a || !in_b) return {};
-    const double low = std::max(in_a->x(), in_b->x());
-    const double high = std::min(in_a->y(), in_b->y());
-    if (!(high > low)) return {};
-    lower.emplace_back(stations[i], low);
-    upper.emplace_back(stations[i], high);
-  }
-  Ring ring = lower;
-  ring.insert(ring.end(), upper.rbegin(), upper.rend());
-  Ring corners;  // Without those on straight lines.
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Eigen::Vector2d& before = corners.empty() ? ring.back() : corners.back();
-    if (DistanceToSegment(ring[i], before, ring[(i + 1) % ring.size()]) > 1e-6) corners.push_back(ring[i]);
-  }
-  return corners;
-}
-
-/// An opening of the opposite wall in coordinates of this one: seen from the other side, so mirrored.
-Ring Carry(const Ring& ring, const Wall& from, const Wall& to) {
-  Ring carried;
-  for (auto p = ring.rbegin(); p != ring.rend(); ++p) carried.emplace_back(to.U(from.InPlan(p->x())), p->y());
-  return carried;
-}
+constexpr double kKneeStds = 2.0;    // Where jambs meet is told by so much less well than a mouth's sides.
+constexpr double kOvercut_m = 0.01;  // Cuts reach this far out of the solid, so that no faces coincide.
 
 Eigen::Vector3d Up(const Eigen::Vector2d& plan, double z) { return {plan.x(), plan.y(), z}; }
 
-/// What to take out for an opening: its outline swept inward; a standing one is cut through the ground plane.
-Prism CutFor(const Wall& wall, Ring ring, double from_m, double to_m) {
-  for (Eigen::Vector2d& p : ring) {
-    if (p.y() <= 0.0) p.y() = -kOvercut_m;
+/// What stands on the ground is cut through the ground plane.
+double Below(double z) { return z <= 0.0 ? -kOvercut_m : z; }
+
+/// What to take out for a recess: its outline swept inward.
+Prism CutFor(const Wall& wall, Ring ring, double depth_m) {
+  for (Eigen::Vector2d& p : ring) p.y() = Below(p.y());
+  return {std::move(ring), Up(wall.first_corner_m + kOvercut_m * wall.outward, 0.0), Up(wall.along, 0.0),
+          Eigen::Vector3d::UnitZ(), Up(-(depth_m + kOvercut_m) * wall.outward, 0.0)};
+}
+
+/// A section, moved on along the passage until all of it is before the wall.
+Section Extend(Section section, const Section& from, const Wall& wall) {
+  for (std::size_t i = 0; i < section.size(); ++i) {
+    const Eigen::Vector2d way = (section[i] - from[i]).head<2>();
+    section[i].head<2>() += kOvercut_m / std::max(0.1 * way.norm(), way.dot(wall.outward)) * way;
   }
-  const Eigen::Vector2d start = wall.first_corner_m - from_m * wall.outward;
-  return {std::move(ring), Up(start, 0.0), Up(wall.along, 0.0), Eigen::Vector3d::UnitZ(),
-          Up(-(to_m - from_m) * wall.outward, 0.0)};
+  return section;
+}
+
+/// What to take out for a passage.
+Tube CutFor(const Passage& passage, const Ring& outer) {
+  const std::vector<Section>& given = passage.sections_in_map_m;
+  std::vector<Section> sections = given;
+  sections.front() = Extend(given.front(), given[1], WallOf(outer, passage.entry_wall));
+  sections.back() = Extend(given.back(), given[given.size() - 2], WallOf(outer, passage.exit_wall));
+  for (Section& section : sections) {
+    for (Eigen::Vector3d& p : section) p.z() = Below(p.z());
+  }
+  return Tube(std::move(sections));
 }
 
 struct Assembly {
   const Footprint& footprint;
   const std::vector<Facade>& facades;
   Solid solid;
-  std::vector<Prism> cuts;
-  std::map<std::pair<int, std::size_t>, std::size_t> listed = {};  ///< Facade opening -> Solid::openings.
-
-  const Facade* FacadeOf(int side) const {
-    for (const Facade& facade : facades) {
-      if (facade.side == side) return &facade;
-    }
-    return nullptr;
-  }
+  std::vector<Tube> cuts;
+  std::set<Mouth> mouths = {};  ///< Of passages.
 
   std::size_t List(int side, const Ring& ring, const Opening& opening, bool is_through) {
     const Wall wall = WallOf(footprint.polygon_in_map_m.outer, side);
@@ -145,85 +67,46 @@ struct Assembly {
     return solid.openings.size() - 1;
   }
 
-  struct Counterpart {
-    std::size_t index = 0;
-    Ring section;
-  };
-  /// The opening of `facade` that shows something beyond and shares most with this one of `wall`. Both are
-  /// the section of one passage, so they should be alike; when they are not, something beyond one of them
-  /// that looks like the building hides a part of it, and the larger one is the passage's. Whether all of
-  /// that is free is for the scene to tell.
-  std::optional<Counterpart> FindCounterpart(const Facade& facade, const Wall& wall,
-                                             const Opening& opening) const {
-    const Ring& ring = opening.ring_in_wall_m;
-    const Wall other = WallOf(footprint.polygon_in_map_m.outer, facade.side);
-    std::optional<Counterpart> best;
-    double widest = 0.0;
-    for (std::size_t i = 0; i < facade.openings.size(); ++i) {
-      if (!facade.openings[i].shows_background) continue;
-      const Ring carried = Carry(facade.openings[i].ring_in_wall_m, other, wall);
-      Ring common = CommonPart(ring, carried);
-      if (common.size() < 3) continue;
-      const Extent a = ExtentOf(ring), b = ExtentOf(carried), c = ExtentOf(common);
-      const double overlap = (c.right - c.left) / std::min(a.right - a.left, b.right - b.left);
-      if (overlap < kMinOverlap || c.right - c.left <= widest) continue;
-      widest = c.right - c.left;
-      const double std_m = std::hypot(opening.std_m, facade.openings[i].std_m);
-      if (Agree(a, b, kAgreeSigmas * std_m)) {
-        best = Counterpart{i, std::move(common)};
-      } else {
-        best = Counterpart{i, AreaOf(a) > AreaOf(b) ? ring : carried};
-      }
-    }
-    return best;
+  std::size_t ListMouth(const Mouth& mouth) {
+    const Facade& facade = facades[mouth.facade];
+    const Opening& opening = facade.openings[mouth.opening];
+    mouths.insert(mouth);
+    return List(facade.side, opening.ring_in_wall_m, opening, true);
   }
 
-  void AddRecess(const Facade& facade, std::size_t index) {
-    const Opening& opening = facade.openings[index];
+  /// In a wall that was not seen: like the entry, where that comes out.
+  std::size_t ListSupposedExit(const Passage& passage) {
+    const Section& end = passage.sections_in_map_m.back();
+    SolidOpening exit = solid.openings[passage.entry_opening];
+    exit.wall = passage.exit_wall;
+    exit.polygon_in_map_m.assign(end.rbegin(), end.rend());
+    solid.openings.push_back(std::move(exit));
+    return solid.openings.size() - 1;
+  }
+
+  void AddPassage(Tunnel tunnel) {
+    Passage passage;
+    passage.entry_wall = facades[tunnel.entry.facade].side;
+    passage.exit_wall = tunnel.exit_wall;
+    passage.sections_in_map_m = std::move(tunnel.sections_in_map_m);
+    passage.entry_opening = ListMouth(tunnel.entry);
+    passage.exit_opening = tunnel.exit ? ListMouth(*tunnel.exit) : ListSupposedExit(passage);
+    const bool bends = passage.sections_in_map_m.size() > 2;
+    passage.std_m = (bends ? kKneeStds : 1.0) * std::max(solid.openings[passage.entry_opening].std_m,
+                                                         solid.openings[passage.exit_opening].std_m);
+    cuts.push_back(CutFor(passage, footprint.polygon_in_map_m.outer));
+    solid.passages.push_back(std::move(passage));
+  }
+
+  void AddRecess(const Mouth& mouth) {
+    if (mouths.count(mouth) > 0) return;
+    const Facade& facade = facades[mouth.facade];
+    const Opening& opening = facade.openings[mouth.opening];
     const Ring& ring = opening.recess ? opening.recess->ring_in_wall_m : opening.ring_in_wall_m;
-    listed[{facade.side, index}] = List(facade.side, ring, opening, false);
+    List(facade.side, ring, opening, false);
     if (!opening.recess) return;
     const Wall wall = WallOf(footprint.polygon_in_map_m.outer, facade.side);
-    cuts.push_back(CutFor(wall, ring, -kOvercut_m, opening.recess->depth_m));
-  }
-
-  void AddThrough(const Facade& facade, std::size_t index) {
-    if (listed.count({facade.side, index}) > 0) return;
-    const Opening& opening = facade.openings[index];
-    const Wall wall = WallOf(footprint.polygon_in_map_m.outer, facade.side);
-    const Extent extent = ExtentOf(opening.ring_in_wall_m);
-    const auto way = FindWayOut(footprint.polygon_in_map_m, facade.side, 0.5 * (extent.left + extent.right));
-    const Facade* exit = way ? FacadeOf(way->side) : nullptr;
-    std::optional<Counterpart> counterpart;
-    if (exit != nullptr && exit->was_seen) counterpart = FindCounterpart(*exit, wall, opening);
-    const bool may_be_inferred = exit != nullptr && !exit->was_seen;
-    if (!counterpart && !may_be_inferred) return AddRecess(facade, index);
-    Passage passage;
-    passage.entry_wall = facade.side;
-    passage.exit_wall = way->side;
-    passage.length_m = way->length_m;
-    passage.std_m = opening.std_m;
-    passage.section_m = counterpart ? counterpart->section : opening.ring_in_wall_m;
-    passage.entry_opening = List(facade.side, opening.ring_in_wall_m, opening, true);
-    listed[{facade.side, index}] = passage.entry_opening;
-    const Wall other = WallOf(footprint.polygon_in_map_m.outer, way->side);
-    if (counterpart) {
-      const Opening& beyond = exit->openings[counterpart->index];
-      passage.std_m = std::max(opening.std_m, beyond.std_m);
-      passage.exit_opening = List(way->side, beyond.ring_in_wall_m, beyond, true);
-      listed[{way->side, counterpart->index}] = passage.exit_opening;
-    } else {
-      passage.exit_opening = List(way->side, Carry(opening.ring_in_wall_m, wall, other), opening, true);
-    }
-    double reach = way->length_m;  // The exit wall may be slanted: cut as far as its farther end.
-    for (const double u : {extent.left, extent.right}) {
-      if (const auto end = FindWayOut(footprint.polygon_in_map_m, facade.side, u);
-          end && end->side == way->side) {
-        reach = std::max(reach, end->length_m);
-      }
-    }
-    cuts.push_back(CutFor(wall, passage.section_m, -kOvercut_m, reach + kOvercut_m));
-    solid.passages.push_back(std::move(passage));
+    cuts.push_back(CutFor(wall, ring, opening.recess->depth_m));
   }
 };
 
@@ -251,19 +134,14 @@ Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& 
   }
   for (const Ring& hole : polygon.holes) {
     Ring turned(hole.rbegin(), hole.rend());
-    assembly.cuts.push_back({std::move(turned), Up({0.0, 0.0}, -kOvercut_m), Eigen::Vector3d::UnitX(),
-                             Eigen::Vector3d::UnitY(),
-                             (solid.footprint.height_m + 2.0 * kOvercut_m) * Eigen::Vector3d::UnitZ()});
+    assembly.cuts.emplace_back(Prism{
+        std::move(turned), Up({0.0, 0.0}, -kOvercut_m), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
+        (solid.footprint.height_m + 2.0 * kOvercut_m) * Eigen::Vector3d::UnitZ()});
   }
-  for (const Facade& facade : facades) {
-    if (!facade.was_seen) continue;
-    for (std::size_t i = 0; i < facade.openings.size(); ++i) {
-      if (facade.openings[i].shows_background) {
-        assembly.AddThrough(facade, i);
-      } else {
-        assembly.AddRecess(facade, i);
-      }
-    }
+  for (Tunnel& tunnel : FindTunnels(polygon, facades)) assembly.AddPassage(std::move(tunnel));
+  for (std::size_t i = 0; i < facades.size(); ++i) {
+    for (std::size_t j = 0; facades[i].was_seen && j < facades[i].openings.size(); ++j)
+      assembly.AddRecess({i, j});
   }
   const Prism body{polygon.outer, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
                    solid.footprint.height_m * Eigen::Vector3d::UnitZ()};

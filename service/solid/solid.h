@@ -27,16 +27,18 @@ struct SolidOpening {
   double std_m = 0.0;
 };
 
-/// A way through the building: `section` swept along a horizontal axis, at right angles to the entry wall.
+/// An upright planar polygon across a passage: its lower corners from left to right as seen by who enters,
+/// then the upper ones back.
+using Section = std::vector<Eigen::Vector3d>;
+
+/// A way through the building, from mouth to mouth.
 struct Passage {
   int entry_wall = -1;
   int exit_wall = -1;
   std::size_t entry_opening = 0;  ///< Index into Solid::openings.
   std::size_t exit_opening = 0;
-  Ring section_m;  ///< The common part of both mouths, or the larger when they differ; in coordinates of the
-                   ///< entry wall, simple.
-  double length_m = 0.0;  ///< Inside the building.
-  double std_m = 0.0;     ///< Of the sides of `section_m`.
+  std::vector<Section> sections_in_map_m;  ///< As of FindTunnels(): more than two when it bends.
+  double std_m = 0.0;                      ///< Of the sides of its sections.
 };
 
 /// Closed, oriented 2-manifold model of one building.
@@ -53,9 +55,9 @@ struct Solid {
 /// words the common part of what the pictures show (paper, section 2.6). An error when the result is not a
 /// closed 2-manifold.
 ///
-/// A passage is cut where two openings that show something beyond lie opposite each other, or where one has a
-/// wall opposite that was not seen; an opening whose opposite wall was seen closed does not lead through,
-/// whatever is seen in it. A passage is a proposal: whether it is free is for the scene to say.
+/// A passage is cut for each way that FindTunnels() gives; an opening whose opposite wall was seen closed
+/// does not lead through, whatever is seen in it. A passage is a proposal: whether it is free is for the
+/// scene to say.
 Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& facades);
 
 /// Every edge has exactly two triangles in opposite directions, and the volume is positive.

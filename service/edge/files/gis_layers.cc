@@ -128,7 +128,7 @@ GisLayer DescribeCorridors(const std::vector<ClearanceDecision>& decisions) {
     if (!decision.corridor) continue;
     const Corridor& corridor = *decision.corridor;
     layer.features.push_back(
-        {{{corridor.entry_in_map_m, corridor.exit_in_map_m}},
+        {{corridor.Path()},
          {Id(decision.object_id), std::int64_t{decision.side}, ToString(decision.verdict), decision.reason,
           corridor.free_width_m, corridor.free_height_m, corridor.floor_m, corridor.std_m}});
   }

@@ -24,16 +24,19 @@ class Mover {
     Move(object.match);
   }
   void Move(SolidOpening& opening) const { Move(opening.polygon_in_map_m); }
+  void Move(Passage& passage) const { Move(passage.sections_in_map_m); }
   void Move(Solid& solid) const {
     Move(solid.footprint);
     Move(solid.mesh.vertices_in_map_m);
     Move(solid.openings);
+    Move(solid.passages);
   }
   void Move(Obstacle& obstacle) const { Move(obstacle.base_in_map_m); }
   void Move(ClearanceDecision& decision) const {
     if (decision.corridor) {
       Move(decision.corridor->entry_in_map_m);
       Move(decision.corridor->exit_in_map_m);
+      Move(decision.corridor->bends_in_map_m);
     }
     if (decision.wanted) Move(decision.wanted->position_in_map_m);
   }

@@ -104,6 +104,11 @@ Json DecisionToJson(const ClearanceDecision& decision) {
                          {"right", decision.margin_right_m},
                          {"up", decision.margin_up_m},
                          {"down", decision.margin_down_m}};
+    json["binding"] = ToString(decision.binding);
+    json["distances_m"] = {{"occupied", decision.distances.to_occupied_m},
+                           {"unknown", decision.distances.to_unknown_m},
+                           {"surface", decision.distances.to_surface_m}};
+    json["bends"] = PointsToJson(decision.corridor->bends_in_map_m);
   }
   json["seen_ratio"] = decision.seen_ratio;
   json["evidence"] = decision.evidence;

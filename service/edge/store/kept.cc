@@ -125,8 +125,7 @@ void Record(Io& io, RecordOf<Io, Passage>& v) {
   io("exit_wall", v.exit_wall);
   io("entry_opening", v.entry_opening);
   io("exit_opening", v.exit_opening);
-  io("section_m", v.section_m);
-  io("length_m", v.length_m);
+  io("sections_in_map_m", v.sections_in_map_m);
   io("std_m", v.std_m);
 }
 
@@ -177,6 +176,7 @@ void Record(Io& io, RecordOf<Io, Corridor>& v) {
   io("exit_wall", v.exit_wall);
   io("entry_in_map_m", v.entry_in_map_m);
   io("exit_in_map_m", v.exit_in_map_m);
+  io("bends_in_map_m", v.bends_in_map_m);
   io("free_width_m", v.free_width_m);
   io("free_height_m", v.free_height_m);
   io("left_m", v.left_m);
@@ -184,6 +184,13 @@ void Record(Io& io, RecordOf<Io, Corridor>& v) {
   io("std_m", v.std_m);
   io("place_std_m", v.place_std_m);
   io("limited_by", v.limited_by);
+}
+
+template <class Io>
+void Record(Io& io, RecordOf<Io, Distances>& v) {
+  io("to_occupied_m", v.to_occupied_m);
+  io("to_unknown_m", v.to_unknown_m);
+  io("to_surface_m", v.to_surface_m);
 }
 
 template <class Io>
@@ -200,6 +207,8 @@ void Record(Io& io, RecordOf<Io, ClearanceDecision>& v) {
   io("margin_right_m", v.margin_right_m);
   io("margin_up_m", v.margin_up_m);
   io("margin_down_m", v.margin_down_m);
+  io("binding", v.binding, UpTo{Bound::kGround});
+  io("distances", v.distances);
   io("seen_ratio", v.seen_ratio);
   io("evidence", v.evidence);
   io("wanted", v.wanted);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "service/corridor/lane.h"
 #include "service/corridor/rectangle.h"
 
 namespace soffit {
@@ -12,6 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 Ring HalfDisc(double radius) {
@@ -54,6 +56,14 @@ TEST(FitRectangle, FindsNoneInNothing) {
   EXPECT_FALSE(FitRectangle({{0, 0}, {0, 1}, {0, 2}}, 1.0, 1.0).has_value());
 }
 
+/// Upright, with these ends on the ground, left and right as seen by who enters.
+Section Upright(const Eigen::Vector2d& left, const Eigen::Vector2d& right, double height) {
+  return {{left.x(), left.y(), 0},
+          {right.x(), right.y(), 0},
+          {right.x(), right.y(), height},
+          {left.x(), left.y(), height}};
+}
+
 Scene WithPassage(std::vector<Obstacle> obstacles) {
   Solid solid;
   solid.footprint.object_id = 7;
@@ -61,8 +71,7 @@ Scene WithPassage(std::vector<Obstacle> obstacles) {
   Passage passage;
   passage.entry_wall = 0;
   passage.exit_wall = 2;
-  passage.length_m = 1.5;
-  passage.section_m = {{1, 0}, {3, 0}, {3, 1.5}, {1, 1.5}};
+  passage.sections_in_map_m = {Upright({1, 0}, {3, 0}, 1.5), Upright({1, 1.5}, {3, 1.5}, 1.5)};
   solid.passages = {passage};
   Scene scene;
   scene.solids = {solid};
@@ -79,6 +88,99 @@ TEST(PlanCorridors, LeadsStraightThroughTheMiddle) {
   EXPECT_TRUE(corridors[0].entry_in_map_m.isApprox(Eigen::Vector3d(2.0, -1.0, 0.75), 1e-6));
   EXPECT_TRUE(corridors[0].exit_in_map_m.isApprox(Eigen::Vector3d(2.0, 2.5, 0.75), 1e-6));
   EXPECT_NEAR(corridors[0].free_width_m, 2.0, 1e-6);
+}
+
+TEST(PlanCorridors, FollowsASlantedPassage) {
+  Scene scene = WithPassage({});
+  scene.solids[0].passages[0].sections_in_map_m = {Upright({0, 0}, {2, 0}, 1.5),
+                                                   Upright({1.5, 1.5}, {3.5, 1.5}, 1.5)};
+  const auto corridors = PlanCorridors(scene, 7, kVehicle, {});
+  ASSERT_THAT(corridors, SizeIs(1));
+  EXPECT_NEAR(corridors[0].free_width_m, std::sqrt(2.0), 1e-9);
+  const Eigen::Vector3d way = (corridors[0].exit_in_map_m - corridors[0].entry_in_map_m).normalized();
+  EXPECT_TRUE(way.isApprox(Eigen::Vector3d(1, 1, 0).normalized(), 1e-9));
+  const double before = -corridors[0].entry_in_map_m.y();
+  EXPECT_GE(before, 0.6);
+  EXPECT_TRUE(corridors[0].bends_in_map_m.empty());
+}
+
+TEST(PlanCorridors, TellsTheWidthOfTheNarrowestPlace) {
+  Scene scene = WithPassage({});
+  scene.solids[0].passages[0].sections_in_map_m = {Upright({0.5, 0}, {3.5, 0}, 1.5),
+                                                   Upright({1.2, 0.7}, {2.6, 0.7}, 1.3),
+                                                   Upright({0.5, 1.5}, {3.5, 1.5}, 1.5)};
+  const auto corridors = PlanCorridors(scene, 7, kVehicle, {});
+  ASSERT_THAT(corridors, SizeIs(1));
+  EXPECT_NEAR(corridors[0].free_width_m, 1.4, 1e-9);
+  EXPECT_NEAR(corridors[0].free_height_m, 1.3, 1e-9);
+  EXPECT_TRUE(corridors[0].bends_in_map_m.empty());
+}
+
+/// The arch's passage with mouths from these heights up.
+Scene Rising(double entry_m, double exit_m, double height_m) {
+  Scene scene = WithPassage({});
+  auto& sections = scene.solids[0].passages[0].sections_in_map_m;
+  for (Section* section : {&sections[0], &sections[1]}) {
+    const double floor = section == &sections[0] ? entry_m : exit_m;
+    for (std::size_t i = 0; i < 4; ++i) (*section)[i].z() = i < 2 ? floor : floor + height_m;
+  }
+  return scene;
+}
+
+TEST(PlanCorridors, StaysLevelInAPassageThatRises) {
+  const auto corridors = PlanCorridors(Rising(0.2, 0.6, 1.6), 7, kVehicle, {});
+  ASSERT_THAT(corridors, SizeIs(1));
+  EXPECT_NEAR(corridors[0].floor_m, 0.6, 1e-9);
+  EXPECT_NEAR(corridors[0].free_height_m, 1.2, 1e-6);
+  EXPECT_NEAR(corridors[0].free_width_m, 2.0, 1e-5);
+  EXPECT_EQ(corridors[0].entry_in_map_m.z(), corridors[0].exit_in_map_m.z());
+}
+
+TEST(PlanCorridors, HasNoHeightWhereNoLevelLineLeadsThrough) {
+  const auto corridors = PlanCorridors(Rising(0.0, 1.4, 1.2), 7, kVehicle, {});
+  ASSERT_THAT(corridors, SizeIs(1));
+  EXPECT_EQ(corridors[0].free_height_m, 0.0);
+  EXPECT_NEAR(corridors[0].free_width_m, 2.0, 1e-9);
+}
+
+TEST(FindWidestLane, NeverLeadsBackwards) {
+  // Seen from the side, the second one lies before the first one, and more of them behind each other.
+  const std::vector<Section> sections = {Upright({0, 0}, {1, 1}, 1.5), Upright({0.9, 0.5}, {1.9, 1.2}, 1.5)};
+  const auto lane = FindWidestLane(sections);
+  ASSERT_TRUE(lane.has_value());
+  EXPECT_GT(lane->way.dot(Eigen::Vector2d(0.9, 0.35)), 0.0);
+  EXPECT_GT(lane->right_m, lane->left_m);
+  EXPECT_FALSE(FindWidestLane({Upright({0, 0}, {1, 0}, 1.5), Upright({3, 0}, {4, 0}, 1.5)}).has_value());
+}
+
+TEST(PlanCorridors, TurnsIntoTheWidestDirection) {
+  // No line at right angles to the walls is as wide as one that leads from one side to the other.
+  const auto lane = FindWidestLane({Upright({0, 0}, {2, 0}, 1.5), Upright({0.8, 1.5}, {2.8, 1.5}, 1.5)});
+  ASSERT_TRUE(lane.has_value());
+  double widest = 0.0;
+  for (double angle = -1.2; angle < 1.2; angle += 1e-4) {
+    const Eigen::Vector2d right(std::cos(angle), std::sin(angle));
+    const double low = std::max(0.0, right.dot(Eigen::Vector2d(0.8, 1.5)));
+    const double high = std::min(right.dot(Eigen::Vector2d(2, 0)), right.dot(Eigen::Vector2d(2.8, 1.5)));
+    widest = std::max(widest, high - low);
+  }
+  EXPECT_NEAR(lane->right_m - lane->left_m, widest, 2e-4);
+  EXPECT_GE(lane->right_m - lane->left_m, widest);
+}
+
+TEST(PlanCorridors, BendsWhereNoStraightLineFits) {
+  Scene scene = WithPassage({});
+  // Straight in for 2 m, then to the right at 45 degrees for 2 m; 1.6 m wide all along.
+  const double k = 0.8 * std::tan(M_PI / 8), end = 2.0 / std::sqrt(2.0), half = 0.8 / std::sqrt(2.0);
+  scene.solids[0].passages[0].sections_in_map_m = {
+      Upright({-0.8, 0}, {0.8, 0}, 1.5), Upright({-0.8, 2 + k}, {0.8, 2 - k}, 1.5),
+      Upright({end - half, 2 + end + half}, {end + half, 2 + end - half}, 1.5)};
+  const auto corridors = PlanCorridors(scene, 7, kVehicle, {});
+  ASSERT_THAT(corridors, SizeIs(1));
+  EXPECT_NEAR(corridors[0].free_width_m, 1.6, 1e-6);
+  ASSERT_THAT(corridors[0].bends_in_map_m, SizeIs(1));
+  EXPECT_TRUE(corridors[0].bends_in_map_m[0].isApprox(Eigen::Vector3d(0, 2, 0.75), 1e-6));
+  EXPECT_THAT(corridors[0].Path(), SizeIs(3));
 }
 
 TEST(PlanCorridors, KeepsTheUncertaintyOfTheSidesOffThem) {
@@ -111,7 +213,18 @@ TEST(PlanCorridors, GoesBesideAPole) {
   const auto corridors = PlanCorridors(WithPassage({Pillar({1.3, -0.5, 0}, 0.05, 2.0)}), 7, kVehicle, {});
   ASSERT_THAT(corridors, SizeIs(1));
   EXPECT_NEAR(corridors[0].free_width_m, 1.65, 1e-6);
-  EXPECT_THAT(corridors[0].limited_by, HasSubstr("obstacle at 1.30, -0.50"));
+  EXPECT_THAT(corridors[0].limited_by, HasSubstr("obstacle at (1.30, -0.50, 0.00)"));
+}
+
+TEST(PlanCorridors, NamesAllThatBoundsItAndNothingElse) {
+  const std::vector<Obstacle> poles = {Pillar({1.2, -0.5, 0}, 0.05, 2.0), Pillar({2.7, 0.4, 0}, 0.05, 2.0),
+                                       Pillar({1.05, 1.0, 0}, 0.05, 2.0)};
+  const auto corridors = PlanCorridors(WithPassage(poles), 7, kVehicle, {});
+  ASSERT_THAT(corridors, SizeIs(1));
+  EXPECT_NEAR(corridors[0].free_width_m, 1.4, 1e-6);
+  EXPECT_THAT(corridors[0].limited_by, HasSubstr("obstacle at (1.20, -0.50, 0.00)"));
+  EXPECT_THAT(corridors[0].limited_by, HasSubstr("obstacle at (2.70, 0.40, 0.00)"));
+  EXPECT_THAT(corridors[0].limited_by, Not(HasSubstr("1.05")));
 }
 
 TEST(PlanCorridors, TellsWhatAPoleInTheMiddleLeaves) {

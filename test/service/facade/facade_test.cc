@@ -36,6 +36,37 @@ TEST(ReadFacades, MeasuresASeeThroughOpening) {
   EXPECT_NEAR(opening.ring_in_wall_m[2].y(), 1.5, 0.02);
 }
 
+/// A passage that leads to the east by as much as to the north, standing on the ground.
+test::Thing Slanted() {
+  const Ring opening = {{-1.45, -0.85}, {-0.25, -0.85}, {1.45, 0.85}, {0.25, 0.85}};
+  return {Subtract(test::Upright(Arch{}.footprint().polygon_in_map_m.outer, 0.0, 2.3),
+                   {test::Upright(opening, -0.1, 1.5)})
+              .value(),
+          test::kBlueWall};
+}
+
+TEST(ReadFacades, FollowsTheJambsOfASlantedPassage) {
+  const auto seeing = Look({test::FromSouth(), test::FromNorth()}, {Slanted()});
+  const auto facades = ReadFacades(Arch{}.footprint(), seeing.images, seeing.masks, seeing.sights, {});
+  for (const std::size_t side : {std::size_t{0}, std::size_t{2}}) {
+    ASSERT_THAT(facades[side].openings, SizeIs(1));
+    const Opening& opening = facades[side].openings[0];
+    EXPECT_NEAR(opening.ring_in_wall_m[0].x(), 0.65, 0.03);  // Both mouths are at the left, seen from outside.
+    EXPECT_NEAR(opening.ring_in_wall_m[1].x(), 1.85, 0.03);
+    EXPECT_FALSE(opening.right_drift.has_value());  // Its own mouth hides that jamb.
+    ASSERT_TRUE(opening.left_drift.has_value());
+    EXPECT_NEAR(*opening.left_drift, 1.0, 0.1);
+  }
+}
+
+TEST(ReadFacades, SeesThatJambsLeadStraightIn) {
+  const auto facades = Read({}, {test::FromSouth()});
+  ASSERT_THAT(facades[0].openings, SizeIs(1));
+  const Opening& opening = facades[0].openings[0];
+  EXPECT_NEAR(opening.left_drift.value_or(1.0), 0.0, 0.1);
+  EXPECT_NEAR(opening.right_drift.value_or(1.0), 0.0, 0.1);
+}
+
 TEST(ReadFacades, ReadsTheHeadBesideAThingOfTheSameColour) {
   const test::Thing behind = test::Block(test::Box(-0.2, 3.0, 4.0, 4.0), 0.0, 2.3, test::kBlueWall);
   const auto facades = Read({}, {test::FromSouth()}, {behind});

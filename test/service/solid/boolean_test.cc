@@ -37,7 +37,7 @@ Prism Passage(double left_m, double right_m, double height_m, double depth_m) {
 
 TEST(Subtract, GivesTheSameOrderWhereverItsWorkLiesInMemory) {
   const Prism body = Block(6, 2, 4);
-  const std::vector<Prism> passages = {Passage(0.73, 2.21, 1.9, 2), Passage(3.17, 5.05, 2.3, 2)};
+  const std::vector<Tube> passages = {Passage(0.73, 2.21, 1.9, 2), Passage(3.17, 5.05, 2.3, 2)};
   const auto first = Subtract(body, passages);
   ASSERT_TRUE(first.ok()) << first.error().message;
 

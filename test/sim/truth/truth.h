@@ -44,9 +44,10 @@ struct Truth {
 };
 
 /// Computes the truth from the geometry alone: for each building, straight horizontal lines in all directions
-/// are tried (across each side, along the largest walls, and every 5 degrees): everything between the ends of the line is projected
-/// along it, and in that section the free rectangle under the building is sought that is best relative to the
-/// need (resolution 5 mm); passable ones are swept with the exact cylinder. About a second per building.
+/// are tried (across each side, along the largest walls, and every 5 degrees): everything between the ends of
+/// the line is projected along it, and in that section the free rectangle under the building is sought that
+/// is best relative to the need (resolution 5 mm); passable ones are swept with the exact cylinder. About a
+/// second per building.
 Truth FindTruth(const World& world);
 
 nlohmann::json ToJson(const Truth& truth);
