@@ -62,11 +62,31 @@ json DescribeSolid(const Prism& prism, const Structure& structure) {
           {"w", {low, high}}};
 }
 
+/// The format knows prisms only: one that changes on its way up is cut into slabs, each as it is half-way up.
+std::vector<Prism> CutIntoSlabs(const Prism& prism) {
+  if (prism.top.empty()) return {prism};
+  constexpr int kSlabs = 64;
+  std::vector<Prism> slabs;
+  for (int k = 0; k < kSlabs; ++k) {
+    const double step_m = (prism.high_m - prism.low_m) / kSlabs;
+    Prism slab = prism;
+    slab.top.clear();
+    slab.low_m = prism.low_m + k * step_m;
+    slab.high_m = slab.low_m + step_m;
+    const double share = (k + 0.5) / kSlabs;
+    for (std::size_t i = 0; i < prism.top.size(); ++i)
+      slab.section.outer[i] += share * (prism.top[i] - prism.section.outer[i]);
+    slabs.push_back(std::move(slab));
+  }
+  return slabs;
+}
+
 json DescribeSolids(const Structure& structure) {
   json solids = json::array();
   for (const Part& part : structure.parts) {
-    if (const auto* prism = std::get_if<Prism>(&part.shape))
-      solids.push_back(DescribeSolid(*prism, structure));
+    const auto* prism = std::get_if<Prism>(&part.shape);
+    if (prism == nullptr) continue;
+    for (const Prism& slab : CutIntoSlabs(*prism)) solids.push_back(DescribeSolid(slab, structure));
   }
   return solids;
 }

@@ -22,19 +22,18 @@ Mesh BuildPrism(const Prism& prism) {
   const bool flip = prism.is_lying;  // (right, up, axis) is left-handed.
   const auto low = [&](const Eigen::Vector2d& p) { return Place(prism, p, prism.low_m); };
   const auto high = [&](const Eigen::Vector2d& p) { return Place(prism, p, prism.high_m); };
-  for (const auto& [a, b, c] : Triangulate(prism.section)) {
-    AddTriangle(mesh, flip, high(a), high(b), high(c));
-    AddTriangle(mesh, flip, low(c), low(b), low(a));
-  }
-  const auto add_sides = [&](const Ring& ring) {
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Eigen::Vector2d &p = ring[i], &q = ring[(i + 1) % ring.size()];
-      AddTriangle(mesh, flip, low(p), low(q), high(q));
-      AddTriangle(mesh, flip, low(p), high(q), high(p));
+  const Polygon top = prism.top.empty() ? prism.section : Polygon{prism.top, {}};
+  for (const auto& [a, b, c] : Triangulate(top)) AddTriangle(mesh, flip, high(a), high(b), high(c));
+  for (const auto& [a, b, c] : Triangulate(prism.section)) AddTriangle(mesh, flip, low(c), low(b), low(a));
+  const auto add_sides = [&](const Ring& below, const Ring& above) {
+    for (std::size_t i = 0; i < below.size(); ++i) {
+      const std::size_t j = (i + 1) % below.size();
+      AddTriangle(mesh, flip, low(below[i]), low(below[j]), high(above[j]));
+      AddTriangle(mesh, flip, low(below[i]), high(above[j]), high(above[i]));
     }
   };
-  add_sides(prism.section.outer);
-  for (const Ring& hole : prism.section.holes) add_sides(hole);
+  add_sides(prism.section.outer, top.outer);
+  for (std::size_t i = 0; i < top.holes.size(); ++i) add_sides(prism.section.holes[i], top.holes[i]);
   return mesh;
 }
 

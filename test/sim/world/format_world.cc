@@ -62,6 +62,10 @@ void PutFinish(YAML::Emitter& out, const Finish& finish) {
 void PutPrism(YAML::Emitter& out, const Prism& prism) {
   out << YAML::Key << (prism.is_lying ? "profile" : "polygon") << YAML::Value;
   PutRing(out, prism.section.outer);
+  if (!prism.top.empty()) {
+    out << YAML::Key << "top" << YAML::Value;
+    PutRing(out, prism.top);
+  }
   if (!prism.section.holes.empty()) {
     out << YAML::Key << "holes" << YAML::Value << YAML::BeginSeq;
     for (const Ring& hole : prism.section.holes) PutRing(out, hole);

@@ -64,6 +64,13 @@ Polygon ReadPolygon(const YamlReader& in, const char* key) {
   return polygon;
 }
 
+Ring ReadTop(const YamlReader& in, const Polygon& section) {
+  if (!section.holes.empty()) in.Refuse("a polygon with holes keeps its outline");
+  Ring top = ReadRing(in, true);
+  if (top.size() != section.outer.size()) in.Refuse("must have as many corners as the polygon");
+  return top;
+}
+
 void ReadSpan(const YamlReader& in, Prism& prism) {
   const Eigen::Vector2d span = in.Vector2({-kMaxReach_m, kMaxReach_m});
   if (!(span.x() < span.y())) in.Refuse("the first number must be smaller than the second");
@@ -106,6 +113,7 @@ std::optional<Prism> ReadPrism(const YamlReader& in) {
   Prism prism;
   if (in.Has("polygon")) {
     prism.section = ReadPolygon(in, "polygon");
+    if (in.Has("top")) prism.top = ReadTop(in.At("top"), prism.section);
   } else if (in.Has("cylinder")) {
     const YamlReader cylinder = in.At("cylinder");
     cylinder.AllowKeys({"center", "radius"});
@@ -160,8 +168,8 @@ std::variant<Prism, MeshFile> ReadShape(const YamlReader& in, const std::filesys
 }
 
 Part ReadPart(const YamlReader& in, const Finish& finish, const std::filesystem::path& folder) {
-  in.AllowKeys({"polygon", "holes", "z", "profile", "axis", "at", "depth", "cylinder", "box", "mesh", "color",
-                "pattern", "grain_m", "contrast"});
+  in.AllowKeys({"polygon", "top", "holes", "z", "profile", "axis", "at", "depth", "cylinder", "box", "mesh",
+                "color", "pattern", "grain_m", "contrast"});
   Part part{ReadShape(in, folder), {}};
   if (in.Has("color") || in.Has("pattern") || in.Has("grain_m") || in.Has("contrast")) {
     part.finish = ReadFinish(in, finish);

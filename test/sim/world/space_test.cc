@@ -42,6 +42,17 @@ double Volume(const Mesh& mesh) {
   return sum;
 }
 
+TEST(BuildMesh, TakesAPrismToItsTop) {
+  Prism prism;
+  prism.section.outer = {{0, 0}, {4, 0}, {4, 2}, {0, 2}};
+  prism.top = {{0.5, 0.5}, {3.5, 0.5}, {3.5, 1.5}, {0.5, 1.5}};
+  prism.low_m = 1.0;
+  prism.high_m = 4.0;
+  Structure structure;
+  structure.parts = {Part{prism, {}}};
+  EXPECT_NEAR(Volume(BuildMesh(structure)), 3.0 / 6.0 * (8.0 + 4.0 * 3.5 * 1.5 + 3.0), 1e-9);  // Prismatoid.
+}
+
 TEST(BuildMesh, IsClosedAndFacesOutwards) {
   Structure structure;
   structure.position_m = {5, -3};

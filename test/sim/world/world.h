@@ -25,9 +25,11 @@ struct Finish {
   double contrast = 0.12;  ///< 0: even; 1: as strong as it gets.
 };
 
-/// A polygon moved along a straight line, in the frame of its structure.
+/// A polygon moved along a straight line, in the frame of its structure; an upright one may change on its
+/// way.
 struct Prism {
-  Polygon section;     ///< Upright: (x, y). Lying: (right, up) as seen by who looks along `axis` from `at`.
+  Polygon section;  ///< Upright: (x, y). Lying: (right, up) as seen by who looks along `axis` from `at`.
+  Ring top;  ///< Upright, without holes: what the section's corners become on the way up; empty: the same.
   double low_m = 0.0;  ///< Upright: z of the lower face. Lying: distance along `axis` from `at`.
   double high_m = 0.0;
   bool is_lying = false;

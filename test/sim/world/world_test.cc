@@ -49,6 +49,11 @@ TEST(ParseWorld, RefusesWhatCannotBe) {
               HasSubstr("sides cross"));
   EXPECT_THAT(Problem(head + "buildings: [{id: a, parts: [{box: {center: [0,0], size: [1,1]}, z: [1,1]}]}]"),
               HasSubstr("buildings[0].parts[0].z: the first number must be smaller"));
+  const std::string triangle = "buildings: [{id: a, parts: [{polygon: [[0,0],[1,0],[1,1]], z: [0,1], ";
+  EXPECT_THAT(Problem(head + triangle + "top: [[0,0],[1,0],[1,1],[0,1]]}]}]"), HasSubstr("as many corners"));
+  EXPECT_THAT(
+      Problem(head + triangle + "top: [[0,0],[1,0],[1,1]], holes: [[[0.5,0.2],[0.6,0.2],[0.6,0.3]]]}]}]"),
+      HasSubstr("with holes keeps its outline"));
   EXPECT_THAT(Problem(head + "buildings: [{id: a, color: mauve, parts: []}]"),
               HasSubstr("unknown colour 'mauve'"));
   EXPECT_THAT(Problem(head + "buildings: [{id: a, parts: [{mesh: {file: a.gml, origin: [1, 2]}}]}]"),
