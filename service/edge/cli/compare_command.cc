@@ -13,7 +13,7 @@
 #include "service/edge/cli/commands.h"
 #include "service/edge/files/bitmap.h"
 #include "service/edge/files/file.h"
-#include "service/match/silhouette.h"
+#include "service/match/outline_word.h"
 #include "service/outline/region.h"
 
 namespace soffit {
@@ -61,7 +61,7 @@ Result<std::vector<fs::path>> ListFiles(const fs::path& folder) {
 }
 
 /// The greatest shape of a bitmap: what differs from most of the picture's edge.
-Result<Silhouette> ReadSilhouette(const fs::path& file) {
+Result<OutlineWord> ReadWord(const fs::path& file) {
   const Result<cv::Mat1b> read = ReadBitmapFile(file);
   if (!read.ok()) return read.error();
   const cv::Mat1b& bitmap = read.value();
@@ -76,28 +76,28 @@ Result<Silhouette> ReadSilhouette(const fs::path& file) {
   cv::compare(is_bright, 2 * bright < edge ? 255.0 : 0.0, is_shape, cv::CMP_EQ);
   const std::vector<Region> regions = TraceRegions(is_shape, kMinShapeArea_px);
   if (regions.empty()) return InvalidInput(file.string() + " shows no shape");
-  return SpellSilhouette(regions.front().boundary);
+  return SpellOutline(regions.front().boundary);
 }
 
-Result<std::vector<Silhouette>> ReadSilhouettes(const std::vector<fs::path>& files) {
-  std::vector<std::optional<Result<Silhouette>>> read(files.size());
-  ForEachIndex(files.size(), [&](std::size_t i) { read[i] = ReadSilhouette(files[i]); });
-  std::vector<Silhouette> silhouettes;
-  for (const auto& silhouette : read) {
-    if (!silhouette->ok()) return silhouette->error();
-    silhouettes.push_back(silhouette->value());
+Result<std::vector<OutlineWord>> ReadWords(const std::vector<fs::path>& files) {
+  std::vector<std::optional<Result<OutlineWord>>> read(files.size());
+  ForEachIndex(files.size(), [&](std::size_t i) { read[i] = ReadWord(files[i]); });
+  std::vector<OutlineWord> words;
+  for (const auto& word : read) {
+    if (!word->ok()) return word->error();
+    words.push_back(word->value());
   }
-  return silhouettes;
+  return words;
 }
 
 /// Symmetric, by rows.
-std::vector<std::vector<double>> CompareAll(const std::vector<Silhouette>& silhouettes, bool tells_mirrored) {
-  std::vector<std::vector<double>> distances(silhouettes.size(), std::vector<double>(silhouettes.size()));
-  ForEachIndex(silhouettes.size(), [&](std::size_t i) {
-    const Silhouette mirrored = Mirror(silhouettes[i]);
+std::vector<std::vector<double>> CompareAll(const std::vector<OutlineWord>& words, bool tells_mirrored) {
+  std::vector<std::vector<double>> distances(words.size(), std::vector<double>(words.size()));
+  ForEachIndex(words.size(), [&](std::size_t i) {
+    const OutlineWord mirrored = Mirror(words[i]);
     for (std::size_t j = 0; j < i; ++j) {
-      double distance = WordDistance(silhouettes[i], silhouettes[j]);
-      if (!tells_mirrored) distance = std::min(distance, WordDistance(mirrored, silhouettes[j]));
+      double distance = WordDistance(words[i], words[j]);
+      if (!tells_mirrored) distance = std::min(distance, WordDistance(mirrored, words[j]));
       distances[i][j] = distances[j][i] = distance;
     }
   });
@@ -126,10 +126,10 @@ std::string ToCsv(const std::vector<fs::path>& files, const std::vector<std::vec
 Status RunCompare(const CompareArguments& arguments) {
   const Result<std::vector<fs::path>> files = ListFiles(arguments.folder);
   if (!files.ok()) return files.error();
-  const Result<std::vector<Silhouette>> silhouettes = ReadSilhouettes(files.value());
-  if (!silhouettes.ok()) return silhouettes.error();
-  const Status written = WriteFile(
-      arguments.out, ToCsv(files.value(), CompareAll(silhouettes.value(), arguments.tells_mirrored)));
+  const Result<std::vector<OutlineWord>> words = ReadWords(files.value());
+  if (!words.ok()) return words.error();
+  const Status written =
+      WriteFile(arguments.out, ToCsv(files.value(), CompareAll(words.value(), arguments.tells_mirrored)));
   if (written.ok()) std::cout << files.value().size() << " shapes compared\n";
   return written;
 }

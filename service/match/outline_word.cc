@@ -3,8 +3,8 @@
 // compiler knows, so that no array can hold them.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "service/match/silhouette.cc"
-#include "service/match/silhouette.h"
+#define HWY_TARGET_INCLUDE "service/match/outline_word.cc"
+#include "service/match/outline_word.h"
 
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
@@ -22,8 +22,8 @@ namespace soffit {
 
 using Eigen::Vector2d;
 
-constexpr int kSteps = Silhouette::kSteps;
-constexpr int kStretches = Silhouette::kStretches;
+constexpr int kSteps = OutlineWord::kSteps;
+constexpr int kStretches = OutlineWord::kStretches;
 constexpr int kBand = kSteps / 6;           ///< Steps that an alignment may run ahead or fall behind.
 constexpr int kOffsets = 2 * kBand + 1;     ///< Between the letters of two words, from -kBand on.
 constexpr int kMaxLanes = 16;               ///< Floats in the widest vector.
@@ -50,7 +50,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::ScalableTag<float>;
 using Vector = hn::Vec<Floats>;
 
-void PriceLetters(const Silhouette& a, const UnrolledLetters& b, Prices& prices) {
+void PriceLetters(const OutlineWord& a, const UnrolledLetters& b, Prices& prices) {
   const Floats floats;
   const int lanes = static_cast<int>(hn::Lanes(floats));
   for (int i = 0; i < kSteps; ++i) {
@@ -103,7 +103,7 @@ float AlignFromAllStarts(const Prices& prices) {
   return hn::GetLane(hn::MinOfLanes(floats, least));
 }
 
-float AlignSteps(const Silhouette& a, const UnrolledLetters& b) {
+float AlignSteps(const OutlineWord& a, const UnrolledLetters& b) {
   Prices prices;
   PriceLetters(a, b, prices);
   return AlignFromAllStarts(prices);
@@ -183,18 +183,18 @@ std::array<double, kSteps> MeasureHeights(const Ring& points, int stretch) {
   return heights;
 }
 
-UnrolledLetters Unroll(const Silhouette& silhouette) {
+UnrolledLetters Unroll(const OutlineWord& word) {
   UnrolledLetters unrolled;
   for (std::size_t k = 0; k < kStretches; ++k) {
     for (int column = 0; column < kColumns; ++column) {
       unrolled[k][static_cast<std::size_t>(column)] =
-          silhouette.letters[k][static_cast<std::size_t>((column + kSteps - kBand) % kSteps)];
+          word.letters[k][static_cast<std::size_t>((column + kSteps - kBand) % kSteps)];
     }
   }
   return unrolled;
 }
 
-double CompareHoles(const Silhouette& a, const Silhouette& b) {
+double CompareHoles(const OutlineWord& a, const OutlineWord& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < std::max(a.hole_areas.size(), b.hole_areas.size()); ++i) {
     const double of_a = i < a.hole_areas.size() ? a.hole_areas[i] : 0.0;
@@ -206,11 +206,11 @@ double CompareHoles(const Silhouette& a, const Silhouette& b) {
 
 }  // namespace
 
-Silhouette SpellSilhouette(const Polygon& polygon) {
+OutlineWord SpellOutline(const Polygon& polygon) {
   const double area = std::abs(SignedArea(polygon.outer));
   SOFFIT_EXPECT(polygon.outer.size() >= 3 && std::isfinite(area) && area > 0.0);
   const Ring points = TakeSteps(polygon.outer);
-  Silhouette silhouette;
+  OutlineWord word;
   for (int stretch = 0; stretch < kStretches; ++stretch) {
     const std::array<double, kSteps> heights = MeasureHeights(points, stretch);
     double greatest = 0.0, mean = 0.0, squares = 0.0;
@@ -220,25 +220,25 @@ Silhouette SpellSilhouette(const Polygon& polygon) {
       squares += height * height / kSteps;
     }
     if (greatest <= 0.0) continue;
-    silhouette.complexity += std::sqrt(std::max(0.0, squares - mean * mean)) / greatest / kStretches;
+    word.complexity += std::sqrt(std::max(0.0, squares - mean * mean)) / greatest / kStretches;
     const double weight = 1.0 / (greatest * std::min(stretch + 1, kStretches - stretch));
-    auto& letters = silhouette.letters[static_cast<std::size_t>(stretch)];
+    auto& letters = word.letters[static_cast<std::size_t>(stretch)];
     std::transform(heights.begin(), heights.end(), letters.begin(),
                    [&](double height) { return static_cast<float>(weight * height); });
   }
-  for (const Ring& hole : polygon.holes) silhouette.hole_areas.push_back(std::abs(SignedArea(hole)) / area);
-  std::sort(silhouette.hole_areas.rbegin(), silhouette.hole_areas.rend());
-  return silhouette;
+  for (const Ring& hole : polygon.holes) word.hole_areas.push_back(std::abs(SignedArea(hole)) / area);
+  std::sort(word.hole_areas.rbegin(), word.hole_areas.rend());
+  return word;
 }
 
-Silhouette Mirror(const Silhouette& silhouette) {
-  Silhouette mirrored = silhouette;
+OutlineWord Mirror(const OutlineWord& word) {
+  OutlineWord mirrored = word;
   std::reverse(mirrored.letters.begin(), mirrored.letters.end());
   for (auto& letters : mirrored.letters) std::reverse(letters.begin(), letters.end());
   return mirrored;
 }
 
-double WordDistance(const Silhouette& a, const Silhouette& b) {
+double WordDistance(const OutlineWord& a, const OutlineWord& b) {
   const auto cost = static_cast<double>(HWY_DYNAMIC_DISPATCH(AlignSteps)(a, Unroll(b)));
   return cost / kSteps / (kComplexityOfPlain + a.complexity + b.complexity) + kHolePrice * CompareHoles(a, b);
 }

@@ -1,4 +1,4 @@
-#include "service/match/silhouette.h"
+#include "service/match/outline_word.h"
 
 #include <gtest/gtest.h>
 
@@ -36,9 +36,7 @@ Ring Mirrored(Ring ring) {
   return {ring.rbegin(), ring.rend()};
 }
 
-double Distance(const Polygon& a, const Polygon& b) {
-  return WordDistance(SpellSilhouette(a), SpellSilhouette(b));
-}
+double Distance(const Polygon& a, const Polygon& b) { return WordDistance(SpellOutline(a), SpellOutline(b)); }
 double Distance(const Ring& a, const Ring& b) { return Distance(Polygon{a, {}}, Polygon{b, {}}); }
 
 TEST(WordDistance, IsZeroForTheSame) { EXPECT_EQ(Distance(kT, kT), 0.0); }
@@ -83,16 +81,16 @@ TEST(WordDistance, CountsHoles) {
 }
 
 TEST(Mirror, GivesTheWordOfTheMirrorImage) {
-  const Silhouette mirrored = Mirror(SpellSilhouette({kL, {}}));
-  EXPECT_LT(WordDistance(mirrored, SpellSilhouette({Mirrored(kL), {}})), kAlike);
-  EXPECT_GT(WordDistance(mirrored, SpellSilhouette({kL, {}})), 2.0 * kAlike);
-  EXPECT_EQ(Mirror(mirrored).letters, SpellSilhouette({kL, {}}).letters);
+  const OutlineWord mirrored = Mirror(SpellOutline({kL, {}}));
+  EXPECT_LT(WordDistance(mirrored, SpellOutline({Mirrored(kL), {}})), kAlike);
+  EXPECT_GT(WordDistance(mirrored, SpellOutline({kL, {}})), 2.0 * kAlike);
+  EXPECT_EQ(Mirror(mirrored).letters, SpellOutline({kL, {}}).letters);
 }
 
-TEST(SpellSilhouette, RefusesDegenerateRings) {
-  EXPECT_THROW(SpellSilhouette({}), ContractViolation);
-  EXPECT_THROW(SpellSilhouette({{{0, 0}, {1, 0}}, {}}), ContractViolation);
-  EXPECT_THROW(SpellSilhouette({{{0, 0}, {1, 0}, {2, 0}}, {}}), ContractViolation);
+TEST(SpellOutline, RefusesDegenerateRings) {
+  EXPECT_THROW(SpellOutline({}), ContractViolation);
+  EXPECT_THROW(SpellOutline({{{0, 0}, {1, 0}}, {}}), ContractViolation);
+  EXPECT_THROW(SpellOutline({{{0, 0}, {1, 0}, {2, 0}}, {}}), ContractViolation);
 }
 
 }  // namespace
