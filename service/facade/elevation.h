@@ -31,11 +31,9 @@ struct Elevation {
   }
 };
 
-/// None when the picture does not show the wall's outer face.
-///
-/// @param height_m  Of the wall; 0: not known.
-std::optional<Elevation> Rectify(const Polygon& footprint, int side, double height_m, int own_class,
-                                 const Image& image, const Mask& mask, const Sight& sight,
-                                 double resolution_m);
+/// None when the picture does not show the wall's outer face. Where the wall ends as the building's levels
+/// have it, nothing is visible.
+std::optional<Elevation> Rectify(const Footprint& building, int side, int own_class, const Image& image,
+                                 const Mask& mask, const Sight& sight, double resolution_m);
 
 }  // namespace soffit

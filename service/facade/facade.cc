@@ -505,8 +505,8 @@ std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image
     const int own_class =
         found == masks[i].classes.end() ? 0 : static_cast<int>(found - masks[i].classes.begin()) + 1;
     for (int side = 0; side < sides; ++side) {
-      std::optional<Elevation> view = Rectify(footprint, side, object.height_m, own_class, images[i],
-                                              masks[i], sights[i], options.resolution_m);
+      std::optional<Elevation> view =
+          Rectify(object, side, own_class, images[i], masks[i], sights[i], options.resolution_m);
       std::optional<Elevation>& chosen = best[static_cast<std::size_t>(side)];
       if (!view || view->visible_ratio < kMinVisible) continue;
       if (chosen && view->quality <= chosen->quality) continue;
@@ -519,7 +519,8 @@ std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image
   for (const auto& view : best) {
     if (view) seen.push_back(*view);
   }
-  const Height height = MeasureHeight(object, seen);
+  const Height height =
+      object.levels.empty() ? MeasureHeight(object, seen) : Height{object.height_m, object.height_std_m};
 
   std::vector<Facade> facades;
   for (int side = 0; side < sides; ++side) {

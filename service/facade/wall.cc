@@ -1,5 +1,6 @@
 #include "service/facade/wall.h"
 
+#include <cmath>
 #include <limits>
 
 #include "shared/result/result.h"
@@ -38,6 +39,27 @@ Wall WallOf(const Ring& outer, int side) {
   wall.along = (b - a) / wall.width_m;
   wall.outward = {wall.along.y(), -wall.along.x()};
   return wall;
+}
+
+Wall WallOf(const Footprint& building, int side) {
+  Wall wall = WallOf(building.polygon_in_map_m.outer, side);
+  if (building.levels.empty()) return wall;
+  const Level& first = building.levels.front();
+  wall.lean = first.inset_m[static_cast<std::size_t>(side)] / first.height_m;
+  return wall;
+}
+
+std::optional<Eigen::Vector2d> SpanAt(const Footprint& building, int side, double height_m) {
+  const Wall wall = WallOf(building, side);
+  if (height_m > building.height_m) return std::nullopt;
+  if (building.levels.empty()) return Eigen::Vector2d(0.0, wall.width_m);
+  const Ring& outer = building.polygon_in_map_m.outer;
+  std::vector<double> inset_m;
+  for (std::size_t i = 0; i < outer.size(); ++i) inset_m.push_back(InsetAt(building.levels, i, height_m));
+  const auto at = static_cast<std::size_t>(side);
+  if (std::abs(inset_m[at] - wall.lean * height_m) > kSameWall_m) return std::nullopt;
+  const Ring ring = InsetRing(outer, inset_m);
+  return Eigen::Vector2d(wall.U(ring[at]), wall.U(ring[(at + 1) % ring.size()]));
 }
 
 std::optional<WayOut> FindWayOut(const Polygon& footprint, int side, double u_m, double drift) {

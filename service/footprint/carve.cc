@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "service/footprint/cross.h"
 #include "service/outline/region.h"
 #include "service/outline/ring_fit.h"
 
@@ -11,8 +12,6 @@ namespace soffit {
 namespace {
 
 using Eigen::Vector2d;
-
-double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 struct Bounds {
   Vector2d low, high;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "service/footprint/carve.h"
-#include "service/footprint/prism_fit.h"
+#include "service/footprint/massing_fit.h"
 #include "shared/result/result.h"
 
 namespace soffit {
@@ -78,11 +78,11 @@ std::vector<Polygon> FindStarts(const std::vector<Silhouette>& silhouettes, doub
   return starts;
 }
 
-bool IsBetter(const PrismFit& a, const PrismFit& b) { return a.cost < b.cost; }
+bool IsBetter(const MassingFit& a, const MassingFit& b) { return a.cost < b.cost; }
 
 /// The building of about this height that fits best.
-PrismFit FitAt(const std::vector<Silhouette>& silhouettes, const HeightPrior& prior) {
-  PrismFit best;
+MassingFit FitAt(const std::vector<Silhouette>& silhouettes, const HeightPrior& prior) {
+  MassingFit best;
   for (const Polygon& start : FindStarts(silhouettes, prior.value_m)) {
     best = std::min(best, FitPrism(silhouettes, start, prior), IsBetter);
   }
@@ -115,7 +115,7 @@ std::vector<double> FindHeights(const std::vector<Silhouette>& silhouettes, doub
 }
 
 /// The prism that all silhouettes show, if they tell its height.
-std::optional<PrismFit> FitToAll(const std::vector<Silhouette>& silhouettes, double max_height_m) {
+std::optional<MassingFit> FitToAll(const std::vector<Silhouette>& silhouettes, double max_height_m) {
   constexpr std::size_t kMostThorough = 3;
   double ceiling_m = max_height_m;
   for (const Silhouette& s : silhouettes) ceiling_m = std::min(ceiling_m, kHighestRatio * CameraHeight(s));
@@ -134,7 +134,7 @@ std::optional<PrismFit> FitToAll(const std::vector<Silhouette>& silhouettes, dou
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
   if (candidates.size() > kMostThorough) candidates.resize(kMostThorough);
-  PrismFit best;
+  MassingFit best;
   for (const Candidate& c : candidates)
     best = std::min(best, FitPrism(silhouettes, c.start, {c.height_m}), IsBetter);
   // A single picture may have sides that only happen to look upright.
@@ -146,7 +146,7 @@ std::optional<PrismFit> FitToAll(const std::vector<Silhouette>& silhouettes, dou
   return best;
 }
 
-void Apply(const PrismFit& fit, Footprint& footprint) {
+void Apply(const MassingFit& fit, Footprint& footprint) {
   footprint.polygon_in_map_m = fit.polygon;
   footprint.corner_std_m = fit.corner_std_m;
   footprint.height_m = fit.height_m;
@@ -158,7 +158,7 @@ bool Understand(Footprint& footprint, double max_height_m) {
   footprint.is_cut = BestSilhouette(footprint.silhouettes).outline.is_cut;
   footprint.captures.clear();
   for (const Silhouette& s : footprint.silhouettes) footprint.captures.push_back(s.capture_id);
-  const std::optional<PrismFit> fit = FitToAll(footprint.silhouettes, max_height_m);
+  const std::optional<MassingFit> fit = FitToAll(footprint.silhouettes, max_height_m);
   if (!fit) return DrawOnGround(footprint);
   Apply(*fit, footprint);
   return true;
@@ -362,7 +362,7 @@ Footprint WithHeight(const Footprint& footprint, double height_m, double height_
   SOFFIT_EXPECT(!footprint.silhouettes.empty());
   for (const Silhouette& s : footprint.silhouettes) SOFFIT_EXPECT(height_m < CameraHeight(s));
   const HeightPrior prior{height_m, 0.0};
-  PrismFit fit = FitAt(footprint.silhouettes, prior);
+  MassingFit fit = FitAt(footprint.silhouettes, prior);
   if (footprint.height_m > 0.0) {
     fit = std::min(fit, FitPrism(footprint.silhouettes, footprint.polygon_in_map_m, prior), IsBetter);
   }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "service/footprint/level.h"
 #include "service/image/image.h"
 #include "service/outline/outline.h"
 #include "shared/geometry/polygon.h"
@@ -11,7 +12,7 @@
 
 namespace soffit {
 
-/// A building as one picture from above shows it: roof and visible walls in one outline.
+/// A building as one picture shows it: roof and visible walls in one outline.
 struct Silhouette {
   std::uint32_t capture_id = 0;
   View view;
@@ -27,7 +28,10 @@ struct Footprint {
   double height_m = 0.0;      ///< Highest point above the ground; 0: not known, then the polygon is that of
                               ///< the silhouette on the ground, which is too large.
   double height_std_m = 0.0;  ///< 0 when the height is not known.
-  bool is_cut = false;        ///< Part of it lay outside every picture: its shape is not known.
+  /// Empty: plumb walls up to a level roof. Else how it goes up from the ground, where the polygon is; they
+  /// rise to `height_m`, and two at one height make a ledge.
+  std::vector<Level> levels;
+  bool is_cut = false;                  ///< Part of it lay outside every picture: its shape is not known.
   std::vector<std::uint32_t> captures;  ///< The pictures that it was seen in.
   std::vector<Silhouette> silhouettes;  ///< How they show it; the polygon is drawn from these.
 };

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <exception>
+#include <map>
 #include <utility>
 
 #include "service/facade/align.h"
+#include "service/footprint/shape.h"
 
 namespace soffit {
 namespace {
@@ -58,9 +60,25 @@ std::vector<Sight> CollectSights(const std::vector<Observation>& observations,
   return sights;
 }
 
-std::vector<Footprint> MakeVectorMap(const std::vector<Observation>& observations) {
+/// Where the buildings that are no plain prisms were seen from beside, by object.
+using Shapings = std::map<std::uint32_t, std::vector<Silhouette>>;
+
+/// The vector map of the pictures from above, with the shapes that those from beside show.
+std::vector<Footprint> MakeVectorMap(const std::vector<Observation>& observations, Shapings& shapings) {
   std::vector<Footprint> map;
-  for (const Observation& seen : observations) map = MergeFootprints(map, seen.footprints);
+  std::vector<Silhouette> beside;
+  for (const Observation& seen : observations) {
+    map = MergeFootprints(map, seen.footprints);
+    if (IsFromAbove(seen.image.purpose)) continue;
+    for (const Outline& outline : seen.outlines)
+      beside.push_back({seen.image.capture_id, seen.image.view, outline});
+  }
+  for (Footprint& footprint : map) {
+    std::optional<Shaping> shaping = ShapeBuilding(footprint, beside);
+    if (!shaping) continue;
+    footprint = std::move(shaping->footprint);
+    shapings[footprint.object_id] = std::move(shaping->beside);
+  }
   return map;
 }
 
@@ -119,13 +137,27 @@ std::string DescribeRecognition(const std::vector<Match>& matches) {
          std::to_string(matches.size()) + "): give a reference with its neighbours";
 }
 
+/// The building and the pictures of it, adjusted to each other; one with levels already is.
+Alignment Align(const Footprint& object, const Shapings& shapings, const HorizontalViews& views,
+                const FacadeOptions& options) {
+  const auto shaping = shapings.find(object.object_id);
+  if (shaping == shapings.end()) return AlignSights(object, views.masks, views.sights, options);
+  Alignment aligned{object, views.sights};
+  for (Sight& sight : aligned.sights) {
+    for (const Silhouette& silhouette : shaping->second) {
+      if (silhouette.capture_id == sight.capture_id) sight.view = silhouette.view;
+    }
+  }
+  return aligned;
+}
+
 /// The model of a wanted building has what the horizontal pictures show of its walls, that of another one is
 /// plain. The pictures that show a wanted building are adjusted to it. A stage that throws has a bug or met a
 /// library's failure: the building stays unknown then.
-Result<Solid> ModelObject(const SceneObject& object, HorizontalViews& views, const PipelineOptions& options,
-                          std::vector<Facade>& facades) try {
+Result<Solid> ModelObject(const SceneObject& object, const Shapings& shapings, HorizontalViews& views,
+                          const PipelineOptions& options, std::vector<Facade>& facades) try {
   if (!object.is_matched) return RaiseSolid(object.footprint, {});
-  const Alignment aligned = AlignSights(object.footprint, views.masks, views.sights, options.facade);
+  const Alignment aligned = Align(object.footprint, shapings, views, options.facade);
   std::vector<Facade> walls =
       ReadFacades(aligned.footprint, views.images, views.masks, aligned.sights, options.facade);
   views.sights = aligned.sights;
@@ -176,7 +208,8 @@ Understanding Understand(const std::vector<Observation>& observations, const Ref
                          const PipelineOptions& options) {
   Understanding all;
   HorizontalViews views = CollectHorizontalViews(observations);
-  std::vector<Footprint> map = MakeVectorMap(observations);
+  Shapings shapings;
+  std::vector<Footprint> map = MakeVectorMap(observations, shapings);
   all.matches = Recognize(map, reference, options.match);
   std::vector<SceneObject> objects = MarkWanted(map, all.matches, options.scene.neighbours);
   if (const std::string problem = DescribeRecognition(all.matches); !problem.empty())
@@ -185,7 +218,7 @@ Understanding Understand(const std::vector<Observation>& observations, const Ref
   std::vector<Solid> solids;
   for (SceneObject& object : objects) {
     const std::uint32_t id = object.footprint.object_id;
-    Result<Solid> solid = ModelObject(object, views, options, all.facades);
+    Result<Solid> solid = ModelObject(object, shapings, views, options, all.facades);
     if (solid.ok()) {
       object.footprint = solid.value().footprint;
       solids.push_back(std::move(solid).value());

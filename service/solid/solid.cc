@@ -8,6 +8,7 @@
 #include "service/facade/wall.h"
 #include "service/solid/boolean.h"
 #include "service/solid/passage.h"
+#include "service/solid/setback.h"
 
 namespace soffit {
 namespace {
@@ -56,7 +57,7 @@ struct Assembly {
   std::set<Mouth> mouths = {};  ///< Of passages.
 
   std::size_t List(int side, const Ring& ring, const Opening& opening, bool is_through) {
-    const Wall wall = WallOf(footprint.polygon_in_map_m.outer, side);
+    const Wall wall = WallOf(footprint, side);
     SolidOpening entry;
     entry.wall = side;
     for (const Eigen::Vector2d& p : ring) entry.polygon_in_map_m.push_back(wall.InMap(p));
@@ -131,6 +132,9 @@ Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& 
   if (!(solid.footprint.height_m > 0.0)) {
     return Error{Error::Code::kUnavailable,
                  "its height is not known: a picture of a wall with its upper edge is needed"};
+  }
+  for (int side = 0; side < static_cast<int>(polygon.outer.size()); ++side) {
+    if (const std::optional<Prism> cut = CutAbove(footprint, side)) assembly.cuts.emplace_back(*cut);
   }
   for (const Ring& hole : polygon.holes) {
     Ring turned(hole.rbegin(), hole.rend());

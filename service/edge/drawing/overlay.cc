@@ -5,6 +5,7 @@
 
 #include "service/edge/drawing/canvas.h"
 #include "service/edge/drawing/shapes.h"
+#include "service/footprint/wireframe.h"
 
 namespace soffit {
 namespace {
@@ -56,6 +57,7 @@ class Overlay {
   void DrawObject(const SceneObject& object) {
     const Footprint& footprint = object.footprint;
     const Stroke& stroke = object.is_matched ? kWanted : kBuilding;
+    if (!footprint.levels.empty()) return DrawFrame(footprint, stroke);
     std::vector<Ring> rings = footprint.polygon_in_map_m.holes;
     rings.push_back(footprint.polygon_in_map_m.outer);
     for (const Ring& ring : rings) {
@@ -66,6 +68,14 @@ class Overlay {
         if (IsFacing(wall)) Draw3d(wall, stroke, true);
       }
     }
+  }
+
+  void DrawFrame(const Footprint& footprint, const Stroke& stroke) {
+    Massing massing = Upright(footprint.polygon_in_map_m, footprint.height_m);
+    massing.levels = footprint.levels;
+    const Wireframe frame = FrameOf(massing);
+    for (const auto& [from, to] : frame.edges)
+      Draw3d({frame.corners[from].in_map_m, frame.corners[to].in_map_m}, stroke, false);
   }
 
   void LabelObject(const SceneObject& object) {

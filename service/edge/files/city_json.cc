@@ -68,10 +68,12 @@ Json SurfaceTypes() {
 }
 
 Surface Classify(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                 double height_m) {
+                 const Footprint& footprint) {
+  const double height_m = footprint.height_m;
+  const double eaves_m = footprint.levels.empty() ? height_m : footprint.levels.front().height_m;
   const double up = (b - a).cross(c - a).normalized().z();
   const double z = (a.z() + b.z() + c.z()) / 3.0;
-  if (up > kLevelNormal) return z > 0.98 * height_m ? kRoof : kFloor;
+  if (up > kLevelNormal) return z > 0.98 * eaves_m ? kRoof : kFloor;
   if (up < -kLevelNormal) return z < 0.02 * height_m ? kGround : kCeiling;
   return kWall;
 }
@@ -125,7 +127,7 @@ Json SolidGeometry(const Solid& solid, Vertices& vertices, std::vector<bool>& ha
     const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
       return points[static_cast<std::size_t>(triangle[i])];
     };
-    Json value = Classify(at(0), at(1), at(2), solid.footprint.height_m);
+    Json value = Classify(at(0), at(1), at(2), solid.footprint);
     for (std::size_t i = 0; i < solid.openings.size() && value == kWall; ++i) {
       if (!IsBackOf(solid.openings[i], {at(0), at(1), at(2)})) continue;
       if (!has_face[i]) {

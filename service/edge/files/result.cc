@@ -62,6 +62,8 @@ Json ObjectToJson(const SceneObject& object) {
   Json neighbours = Json::array();
   for (const std::uint32_t id : object.neighbours) neighbours.push_back(IdOf(id));
   json["neighbours"] = neighbours;
+  for (const Level& level : footprint.levels)
+    json["levels"].push_back({{"height_m", level.height_m}, {"inset_m", level.inset_m}});
   if (object.is_matched) json["match"] = MatchToJson(object.match);
   return json;
 }

@@ -74,6 +74,12 @@ void Record(Io& io, RecordOf<Io, Polygon>& v) {
 }
 
 template <class Io>
+void Record(Io& io, RecordOf<Io, Level>& v) {
+  io("height_m", v.height_m);
+  io("inset_m", v.inset_m);
+}
+
+template <class Io>
 void Record(Io& io, RecordOf<Io, Footprint>& v) {
   io("object_id", v.object_id);
   io("color", v.color);
@@ -81,6 +87,7 @@ void Record(Io& io, RecordOf<Io, Footprint>& v) {
   io("corner_std_m", v.corner_std_m);
   io("height_m", v.height_m);
   io("height_std_m", v.height_std_m);
+  io("levels", v.levels);
   io("is_cut", v.is_cut);
   io("captures", v.captures);
 }

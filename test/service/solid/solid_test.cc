@@ -288,6 +288,53 @@ TEST(RaiseSolid, KeepsACourtyardOpen) {
   EXPECT_NEAR(solid.value().volume_m3, 12.0 * 2.0, 1e-6);
 }
 
+Footprint WithLevels(const Ring& ring, const std::vector<Level>& levels) {
+  Footprint footprint = Building(ring);
+  footprint.levels = levels;
+  footprint.height_m = levels.back().height_m;
+  return footprint;
+}
+
+double VolumeOf(const Footprint& footprint, const std::vector<Facade>& facades = {}) {
+  const auto solid = RaiseSolid(footprint, facades);
+  EXPECT_TRUE(solid.ok() && IsClosedManifold(solid.value().mesh));
+  return solid.ok() ? solid.value().volume_m3 : 0.0;
+}
+
+TEST(RaiseSolid, SetsATowerBack) {
+  EXPECT_NEAR(
+      VolumeOf(WithLevels(kBlock, {{1, {0, 0, 0, 0}}, {1, {0.25, 1, 0.25, 1}}, {3, {0.25, 1, 0.25, 1}}})),
+      6.0 + 2.0 * 2.0 * 1.0, 1e-4);
+}
+
+TEST(RaiseSolid, PutsAGableAHipAndAMonoPitchOnWalls) {
+  EXPECT_NEAR(VolumeOf(WithLevels(kBlock, {{1, {0, 0, 0, 0}}, {2, {0.75, 0, 0.75, 0}}})), 9.0, 1e-4);
+  EXPECT_NEAR(VolumeOf(WithLevels(kBlock, {{1, {0, 0, 0, 0}}, {2, {0, 0, 1.5, 0}}})), 9.0, 1e-4);
+  EXPECT_NEAR(VolumeOf(WithLevels(kBlock, {{1, {0, 0, 0, 0}}, {2, {0.75, 0.75, 0.75, 0.75}}})),
+              6.0 + 3.0 - 2.0 * (0.75 * 0.75 - 1.5 * 0.75 / 3.0), 1e-4);
+}
+
+TEST(RaiseSolid, LeansWallsAndStillCutsThePassage) {
+  auto facades = Closed(4);
+  facades[0].openings = {Through({{1, 0}, {2.6, 0}, {2.6, 1.5}, {1, 1.5}})};
+  facades[2].openings = {Through({{1.4, 0}, {3, 0}, {3, 1.5}, {1.4, 1.5}})};
+  const Footprint leaning = WithLevels(kBlock, {{2, {0.2, 0, 0.2, 0}}});
+  const auto solid = RaiseSolid(leaning, facades);
+  ASSERT_TRUE(solid.ok()) << solid.error().message;
+  const double depth_m = 1.5 - 2.0 * 0.1 * 0.75;  // Of the passage, half-way up.
+  EXPECT_NEAR(solid.value().volume_m3, 4.0 * 2.0 * 1.3 - 1.6 * 1.5 * depth_m, 1e-3);
+  EXPECT_THAT(solid.value().passages, SizeIs(1));
+  EXPECT_NEAR(solid.value().openings[0].polygon_in_map_m[2].y(), 0.15, 1e-9);  // On the wall as it leans.
+}
+
+TEST(RaiseSolid, LowersOneWingOnly) {
+  const Ring u = {{0, 0}, {5, 0}, {5, 3}, {4, 3}, {4, 1}, {1, 1}, {1, 3}, {0, 3}};
+  std::vector<double> end_of_wing(8, 0.0);
+  end_of_wing[2] = 2.0;
+  EXPECT_NEAR(VolumeOf(WithLevels(u, {{1, std::vector<double>(8, 0.0)}, {1, end_of_wing}, {2, end_of_wing}})),
+              2.0 * 9.0 - 2.0, 1e-4);
+}
+
 TEST(RaiseSolid, RefusesWhatIsNoBuilding) {
   EXPECT_FALSE(RaiseSolid(Building({{0, 0}, {1, 0}}), {}).ok());
   EXPECT_FALSE(RaiseSolid(Building({{0, 0}, {1, 1}, {1, 0}, {0, 1}}), {}).ok());
