@@ -45,7 +45,9 @@ class Follower {
       color = MeanColor(row, left, right, color);
       slack_px = 1;
     }
-    if (static_cast<int>(found.rows.size()) < kLeastTall_px) return {};
+    const auto framed = std::count_if(found.rows.begin(), found.rows.end(),
+                                      [&](const Continuation::Row& row) { return IsFramed(row); });
+    if (static_cast<int>(found.rows.size()) < kLeastTall_px || 2 * framed > std::ssize(found.rows)) return {};
     for (int above = first_y - 1; above >= y; --above)
       found.rows.insert(found.rows.begin(), {above, found.rows.front().left, found.rows.front().right});
     return found;
@@ -75,6 +77,14 @@ class Follower {
     int count = 0;
     for (int x = left; x <= right; ++x) count += seen_(y, x) == static_cast<uchar>(Seen::kStructure) ? 1 : 0;
     return 2 * count > right - left + 1;
+  }
+
+  /// Whether it lies between structure: ground seen through an opening is as wide as that.
+  bool IsFramed(const Continuation::Row& row) const {
+    const int left = std::max(0, row.left - 2 * kMixed_px);
+    const int right = std::min(seen_.cols - 1, row.right + 2 * kMixed_px);
+    const auto structure = static_cast<uchar>(Seen::kStructure);
+    return seen_(row.y, left) == structure && seen_(row.y, right) == structure;
   }
 
   /// The even part of the row below; none when it ends or has no edge within the slack.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 namespace soffit {
@@ -17,6 +18,9 @@ constexpr float kMostAlong = 0.4F;      // Curvature along a ridge, over that ac
 constexpr float kMostBeside_px = 0.7F;  // From a ridge's middle to its pixel.
 constexpr float kSameDirection = 0.9F;  // Cosine.
 constexpr int kGap_px = 2;
+constexpr double kSameLine = 0.985;  // Cosine,
+constexpr double kBesideLine_px = 2.5;
+constexpr double kMostGap_px = 12.0;
 constexpr double kLeastLong_px = 5.0;
 constexpr double kClearlyLong_px = 16.0;
 constexpr double kMostPixels = 1.3;  // Of a clear one, per pixel of length: texture is wider.
@@ -136,6 +140,22 @@ Ridge Measure(std::vector<cv::Point> pixels) {
   return ridge;
 }
 
+/// Whether the other ridge reaches beyond an end of this one, in its line.
+bool GoesOn(const Ridge& ridge, const Ridge& other, double pixel) {
+  if (std::abs(ridge.along.dot(other.along)) < kSameLine) return false;
+  const double gap_px = kMostGap_px * pixel;
+  double first = std::numeric_limits<double>::infinity();
+  double last = -first;
+  for (const cv::Point2d& end : other.ends_px) {
+    const cv::Point2d from = end - ridge.ends_px[0];
+    if (std::abs(from.cross(ridge.along)) > kBesideLine_px * pixel) return false;
+    first = std::min(first, from.dot(ridge.along));
+    last = std::max(last, from.dot(ridge.along));
+  }
+  const bool is_beyond = first < -pixel || last > ridge.length_px() + pixel;
+  return is_beyond && last > -gap_px && first < ridge.length_px() + gap_px;
+}
+
 }  // namespace
 
 std::vector<Ridge> FindRidges(const cv::Mat1b& picture) {
@@ -154,6 +174,24 @@ std::vector<Ridge> FindRidges(const cv::Mat1b& picture) {
     }
   }
   return ridges;
+}
+
+Ridge JoinRidges(Ridge ridge, const std::vector<Ridge>& others, double pixel) {
+  for (bool has_grown = true; has_grown;) {
+    has_grown = false;
+    for (const Ridge& other : others) {
+      if (!GoesOn(ridge, other, pixel)) continue;
+      const double before_px = ridge.length_px();
+      std::vector<cv::Point> pixels = ridge.pixels;
+      pixels.insert(pixels.end(), other.pixels.begin(), other.pixels.end());
+      Ridge joined = Measure(std::move(pixels));
+      joined.is_clear = ridge.is_clear;
+      if (joined.length_px() < before_px + pixel) continue;
+      ridge = std::move(joined);
+      has_grown = true;
+    }
+  }
+  return ridge;
 }
 
 }  // namespace soffit

@@ -21,4 +21,10 @@ struct Ridge {
 /// Detector of Curvilinear Structures", PAMI 20 (2), 1998).
 std::vector<Ridge> FindRidges(const cv::Mat1b& picture);
 
+/// The ridge with all others, however faint, that go on in its straight line: where it crosses an edge of the
+/// background, or background as bright as itself, a line is broken.
+///
+/// @param pixel  Of the picture in which they were found, in the unit of their coordinates.
+Ridge JoinRidges(Ridge ridge, const std::vector<Ridge>& others, double pixel);
+
 }  // namespace soffit

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <utility>
 
 #include "service/scene/ground_check.h"
 #include "service/scene/labels.h"
@@ -14,10 +15,13 @@ namespace soffit {
 namespace {
 
 constexpr double kMaxWidth_px = 1600.0;
-constexpr double kDownward = -0.9;  // Of the optical axis' rise.
-constexpr int kBeside_px = 3;       // Of the model's edge, where colours mix.
-constexpr int kHorizon_px = 6;      // Ground fades into sky.
-constexpr double kStraight = 0.97;  // Cosine to what is level or upright.
+constexpr double kDownward = -0.9;   // Of the optical axis' rise.
+constexpr int kBeside_px = 3;        // Of the model's edge, where colours mix.
+constexpr int kHorizon_px = 6;       // Ground fades into sky.
+constexpr double kSameLine = 0.995;  // Cosine between the parts of a line that the model interrupts.
+constexpr double kLeastHidden_px = 10.0;
+constexpr double kBesideShare = 0.03;  // Of the way between the parts.
+constexpr double kStraight = 0.97;     // Cosine to what is level or upright.
 constexpr std::size_t kLeastPixels = 12;
 constexpr double kLeastLong = 0.03;       // Over the picture's width, of what begins at the model,
 constexpr double kLeastUpright = 0.06;    // and of what stands free.
@@ -62,6 +66,41 @@ class Backdrop {
         horizon_(Both(Grow(Only(label_, Seen::kGround), kHorizon_px),
                       Grow(Only(label_, Seen::kSky), kHorizon_px))) {}
 
+  /// Whether the model hides a part of the ridge, and it goes on beyond: it lies behind.
+  bool IsInterrupted(const Ridge& ridge, const std::vector<Ridge>& others, double pixel) const {
+    return std::any_of(others.begin(), others.end(), [&](const Ridge& other) {
+      if (!other.is_clear || std::abs(ridge.along.dot(other.along)) < kSameLine) return false;
+      const bool is_after = (other.ends_px[0] - ridge.ends_px[0]).dot(ridge.along) > 0.0;
+      const cv::Point2d& end = ridge.ends_px[is_after ? 1 : 0];
+      const bool is_first_nearer = cv::norm(other.ends_px[0] - end) < cv::norm(other.ends_px[1] - end);
+      const cv::Point2d& begin = other.ends_px[is_first_nearer ? 0 : 1];
+      const double away_px = (begin - end).dot(ridge.along) * (is_after ? 1.0 : -1.0);
+      const double beside_px = std::abs((begin - end).cross(ridge.along));
+      return away_px > kLeastHidden_px * pixel && beside_px < kBeside_px * pixel + kBesideShare * away_px &&
+             IsHidden(end, begin);
+    });
+  }
+
+  /// None when the ridge is too short, or begins nowhere at the model and is not upright.
+  std::optional<ThinLine> Pick(const Ridge& ridge) const {
+    ThinLine line;
+    line.pixels = Keep(ridge);
+    const double most_px = std::max(kLeastUnseen_px, ridge.length_px() / 2.0);
+    for (const auto& [end, step] :
+         {std::pair(ridge.ends_px[0], -ridge.along), {ridge.ends_px[1], ridge.along}}) {
+      const std::vector<cv::Point2d> way = ReachModel(end, step, most_px);
+      line.extended.insert(line.extended.end(), way.begin(), way.end());
+    }
+    const bool is_free = line.extended.empty();
+    const double length = ridge.length_px() / label_.cols;
+    if (line.pixels.size() < kLeastPixels || length < (is_free ? kLeastUpright : kLeastLong))
+      return std::nullopt;
+    if (is_free && std::abs(ridge.along.y) < kStraight) return std::nullopt;
+    line.is_on_ground = AreOnGround(line.pixels);
+    return line;
+  }
+
+ private:
   std::vector<cv::Point2d> Keep(const Ridge& ridge) const {
     const bool is_level = std::abs(ridge.along.x) > kStraight;
     std::vector<cv::Point2d> kept;
@@ -72,6 +111,18 @@ class Backdrop {
     return kept;
   }
 
+  /// Whether most of what is between two places is the model.
+  bool IsHidden(const cv::Point2d& from, const cv::Point2d& to) const {
+    const int steps = static_cast<int>(cv::norm(to - from));
+    int hidden = 0;
+    for (int i = 0; i < steps; ++i) {
+      const cv::Point pixel = Round(from + (to - from) * (static_cast<double>(i) / steps));
+      if (cv::Rect({}, label_.size()).contains(pixel))
+        hidden += label_(pixel) == static_cast<uchar>(Seen::kStructure) ? 1 : 0;
+    }
+    return 2 * hidden > steps;
+  }
+
   bool AreOnGround(const std::vector<cv::Point2d>& pixels) const {
     const auto count = std::count_if(pixels.begin(), pixels.end(), [&](const cv::Point2d& pixel) {
       return label_(Round(pixel)) == static_cast<uchar>(Seen::kGround);
@@ -79,16 +130,7 @@ class Backdrop {
     return static_cast<double>(count) > kOnGround * static_cast<double>(pixels.size());
   }
 
-  /// Pixels from both ends of a ridge on to the model's edge, where that is near.
-  std::vector<cv::Point2d> ReachModel(const Ridge& ridge) const {
-    const double most_px = std::max(kLeastUnseen_px, ridge.length_px() / 2.0);
-    std::vector<cv::Point2d> pixels = ReachModel(ridge.ends_px[0], -ridge.along, most_px);
-    const std::vector<cv::Point2d> others = ReachModel(ridge.ends_px[1], ridge.along, most_px);
-    pixels.insert(pixels.end(), others.begin(), others.end());
-    return pixels;
-  }
-
- private:
+  /// Pixels from the end of a ridge on to the model's edge; none when it is too far.
   std::vector<cv::Point2d> ReachModel(cv::Point2d at, const cv::Point2d& step, double most_px) const {
     std::vector<cv::Point2d> way;
     for (; static_cast<double>(way.size()) <= most_px; at += step) {
@@ -122,20 +164,19 @@ void ThinLines::Add(const Sight& sight, const Prediction& prediction) {
   const Backdrop backdrop(sight, prediction);
   const cv::Rect all({}, picture.ground.size());
   for (const double scale : {picture.scale, picture.scale / 2.0}) {
-    for (const Ridge& ridge : FindRidgesInSmaller(grey, scale)) {
+    const std::vector<Ridge> ridges = FindRidgesInSmaller(grey, scale);
+    for (const Ridge& ridge : ridges) {
       for (const cv::Point& pixel : ridge.pixels) {
         const cv::Point at = Round(cv::Point2d(pixel) * picture.scale);
         picture.traces(Square(at, kTrace_px) & all) = 255;
         if (ridge.is_clear) picture.clear(Square(at, 0) & all) = 255;
       }
+    }
+    for (const Ridge& ridge : ridges) {
       if (!ridge.is_clear) continue;
-      Line line{backdrop.Keep(ridge), backdrop.ReachModel(ridge)};
-      const double length = ridge.length_px() / sight.bgr.cols;
-      const bool is_free = line.extended.empty();
-      if (line.pixels.size() < kLeastPixels || length < (is_free ? kLeastUpright : kLeastLong)) continue;
-      if (is_free && std::abs(ridge.along.y) < kStraight) continue;
-      line.is_on_ground = backdrop.AreOnGround(line.pixels);
-      picture.lines.push_back(std::move(line));
+      const Ridge joined = JoinRidges(ridge, ridges, 1.0 / scale);
+      if (backdrop.IsInterrupted(joined, ridges, 1.0 / scale)) continue;
+      if (auto line = backdrop.Pick(joined)) picture.lines.push_back(std::move(*line));
     }
   }
 }
@@ -153,7 +194,7 @@ ThinLines::Shows ThinLines::Look(const Picture& picture, const Eigen::Vector3d& 
   return cv::countNonZero(picture.clear(about)) > 0 ? Shows::kLine : Shows::kGround;
 }
 
-bool ThinLines::IsMark(const Picture& picture, const Line& line) const {
+bool ThinLines::IsMark(const Picture& picture, const ThinLine& line) const {
   if (!line.is_on_ground) return false;
   const Eigen::Vector3d& camera_m = picture.view.map_from_camera.translation_m;
   int known = 0;
@@ -183,7 +224,7 @@ cv::Mat1b ThinLines::Settle(std::size_t number) const {
   cv::resize(picture.traces, traces, marks.size(), 0.0, 0.0, cv::INTER_NEAREST);
   marks.setTo(static_cast<uchar>(LineMark::kTrace), traces);
   const int reach = static_cast<int>(std::lround(kThick_px / picture.scale)) / 2;
-  for (const Line& line : picture.lines) {
+  for (const ThinLine& line : picture.lines) {
     if (IsMark(picture, line)) continue;
     for (const auto* pixels : {&line.pixels, &line.extended}) {
       for (const cv::Point2d& pixel : *pixels)

@@ -16,11 +16,17 @@ enum class LineMark : std::uint8_t {
   kLine    ///< One that may hang or stand before the background.
 };
 
+struct ThinLine {
+  std::vector<cv::Point2d> pixels;
+  std::vector<cv::Point2d> extended;  ///< From its ends on to the model's edge.
+  bool is_on_ground = false;          ///< Or before it.
+};
+
 /// Finds thin lines before background that may be cables, ropes or slim poles: they begin at the model's
 /// edge, or are long and about upright. One picture does not tell them from what lies far behind. So the rays
 /// of such a line prove nothing, and what stands where it may be has to be seen through by another picture
-/// that shows not even a trace of a line there. Lines that other pictures show at the same place of the
-/// ground, from elsewhere, are marks of the ground.
+/// that shows not even a trace of a line there. Lines that the model interrupts lie behind it, and lines that
+/// other pictures show at the same place of the ground, from elsewhere, are marks of the ground.
 ///
 /// Lines are half a pixel to about seven pixels wide in pictures of up to 1600 pixels across; larger ones are
 /// looked at in that size.
@@ -35,15 +41,10 @@ class ThinLines {
   cv::Mat1b Settle(std::size_t number) const;
 
  private:
-  struct Line {
-    std::vector<cv::Point2d> pixels;    ///< Of the whole picture.
-    std::vector<cv::Point2d> extended;  ///< On to the model's edge.
-    bool is_on_ground = false;
-  };
   struct Picture {
     View view;
     double scale = 1.0;  ///< Pixels of the masks per pixel.
-    std::vector<Line> lines;
+    std::vector<ThinLine> lines;
     cv::Mat1b clear;   ///< 255 on every clear ridge, also where no cable can be,
     cv::Mat1b traces;  ///< and about any ridge.
     cv::Mat1b ground;  ///< 255 where ground is predicted.
@@ -52,7 +53,7 @@ class ThinLines {
   enum class Shows { kNothing, kGround, kLine };
 
   static Shows Look(const Picture& picture, const Eigen::Vector3d& on_ground);
-  bool IsMark(const Picture& picture, const Line& line) const;
+  bool IsMark(const Picture& picture, const ThinLine& line) const;
 
   std::vector<Picture> pictures_;
 };

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 namespace soffit {
@@ -89,6 +91,26 @@ TEST(FindRidges, TakesAnEdgeForNoClearLine) {
 
 TEST(FindRidges, TakesAShortDashForNoClearLine) {
   EXPECT_THAT(FindClear(WithLine({40.0, 40.0}, {50.0, 40.0}, 1.0, 20)), IsEmpty());
+}
+
+TEST(JoinRidges, JoinsThePiecesOfALineThatIsBroken) {
+  cv::Mat1b picture = WithLine({80.0, 10.0}, {80.0, 110.0}, 1.0, 60);
+  picture.rowRange(50, 56).setTo(60);
+  const std::vector<Ridge> ridges = FindRidges(picture);
+  const auto first = std::find_if(ridges.begin(), ridges.end(), [](const Ridge& ridge) {
+    return ridge.is_clear && std::abs(ridge.along.y) > 0.9;
+  });
+  ASSERT_NE(first, ridges.end());
+  EXPECT_LT(first->length_px(), 60.0);
+  EXPECT_NEAR(JoinRidges(*first, ridges, 1.0).length_px(), 100.0, 5.0);
+}
+
+TEST(JoinRidges, LeavesOtherLinesAlone) {
+  cv::Mat1b picture = WithLine({80.0, 10.0}, {80.0, 50.0}, 1.0, 60);
+  cv::min(picture, cv::Mat(WithLine({86.0, 56.0}, {86.0, 110.0}, 1.0, 60)), picture);
+  const std::vector<Ridge> ridges = FindClear(picture);
+  ASSERT_THAT(ridges, SizeIs(2));
+  EXPECT_LT(JoinRidges(ridges[0], ridges, 1.0).length_px(), 45.0);
 }
 
 }  // namespace

@@ -64,6 +64,14 @@ TEST(ThinLines, AreNoMarksOfTheGroundThatAnotherPictureShowsThereToo) {
   EXPECT_EQ(CountLines(Find({view, besides}, {joint})), 0);
 }
 
+TEST(ThinLines, AreNotWhatTheModelInterrupts) {
+  const View view = test::FromSouth();
+  const test::Thing far_rope = Rod(-20.0, 9.99, 20.0, 10.04, 0.7, 0.76);
+  EXPECT_EQ(CountLines(Find({view}, {far_rope})), 0);
+  EXPECT_GT(CountLines(Find({view}, {Rod(-2.0, 9.99, 2.5, 10.04, 0.7, 0.76)})), 0)
+      << "it might be in the passage";
+}
+
 TEST(ThinLines, AreNotLookedForInPicturesFromAbove) {
   View view = test::LevelView({0.0, 0.0, 6.0}, 0.0);
   view.map_from_camera.rotation = CameraAttitude(0.0, -1.57);
