@@ -7,6 +7,7 @@
 
 #include "service/facade/facade.h"
 #include "service/facade/light.h"
+#include "service/image/veil.h"
 #include "shared/result/result.h"
 
 namespace soffit {
@@ -87,9 +88,10 @@ std::array<int, 256> LearnHues(const cv::Mat3b& hsv, const cv::Mat1b& label, int
   return least_saturation;
 }
 
-void MarkStructure(const cv::Mat3b& smooth, const Mask& buildings, cv::Mat1b& seen) {
+void MarkStructure(const cv::Mat3b& smooth, const cv::Mat1b& unveil, const Mask& buildings, cv::Mat1b& seen) {
   cv::Mat3b hsv;
-  cv::cvtColor(smooth, hsv, cv::COLOR_BGR2HSV_FULL);
+  cv::LUT(smooth, unveil, hsv);
+  cv::cvtColor(hsv, hsv, cv::COLOR_BGR2HSV_FULL);
   std::array<int, 256> least_saturation;
   least_saturation.fill(256);
   for (std::size_t i = 0; i < buildings.classes.size(); ++i) {
@@ -434,7 +436,7 @@ Sight LabelSight(const Image& image, const Mask& buildings, const FacadeOptions&
   cv::Mat3b smooth;
   cv::GaussianBlur(image.bgr, smooth, cv::Size(3, 3), 0.0);
   const Horizon horizon(image.view);
-  MarkStructure(smooth, buildings, sight.seen);
+  MarkStructure(smooth, UnveilTable(image), buildings, sight.seen);
   MarkSky(smooth, horizon, sight.seen);
   MarkGround(smooth, horizon, sight.seen);
   MarkHazyGround(smooth, horizon, sight.seen);

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "service/image/picture_memory.h"
+#include "service/image/veil.h"
 #include "service/mask/classify.h"
 #include "service/mask/median.h"
 #include "shared/result/result.h"
@@ -17,22 +18,23 @@ constexpr std::size_t kMinTintedSaturation = 25;  ///< Of 255; below, hues are n
 constexpr double kMinModeDistance = 0.18;
 constexpr double kMaxSaturationThreshold = 0.60;
 
-cv::Mat1b GammaTable(double gamma) {
-  cv::Mat1b table(1, 256);
-  for (int i = 0; i < 256; ++i) table(i) = cv::saturate_cast<uchar>(255.0 * std::pow(i / 255.0, 1.0 / gamma));
+/// What each level becomes before it is classified: freed of the picture's haze, and gamma corrected.
+cv::Mat1b CorrectionTable(const Image& image, double gamma) {
+  cv::Mat1b table = UnveilTable(image);
+  for (uchar& level : table) level = cv::saturate_cast<uchar>(255.0 * std::pow(level / 255.0, 1.0 / gamma));
   return table;
 }
 
 /// Labels the pixels of some rows, which then stay in the cache.
 class BandClassifier {
  public:
-  BandClassifier(const cv::Mat3b& bgr, const MaskOptions& options)
-      : bgr_(bgr), options_(options), gamma_table_(GammaTable(options.gamma)) {}
+  BandClassifier(const Image& image, const MaskOptions& options)
+      : bgr_(image.bgr), options_(options), table_(CorrectionTable(image, options.gamma)) {}
 
   /// The rows as they are classified, filtered and corrected; until the next call.
   const cv::Mat3b& Classify(cv::Range rows, const ColorClasses& classes, cv::Mat1b labels) {
     FilterMedian(bgr_, rows, options_.median_px, filtered_);
-    if (options_.gamma != 1.0) cv::LUT(filtered_, gamma_table_, filtered_);
+    cv::LUT(filtered_, table_, filtered_);
     for (int row = 0; row < filtered_.rows; ++row) {
       ClassifyPixels(filtered_.ptr(row), static_cast<std::size_t>(filtered_.cols), classes, labels[row]);
     }
@@ -42,7 +44,7 @@ class BandClassifier {
  private:
   const cv::Mat3b& bgr_;
   const MaskOptions& options_;
-  cv::Mat1b gamma_table_;
+  cv::Mat1b table_;
   cv::Mat3b filtered_;
 };
 
@@ -129,7 +131,7 @@ Mask SegmentBuildings(const Image& image, const MaskOptions& options) {
   SOFFIT_EXPECT(IsValidOptions(options));
   SOFFIT_EXPECT(options.median_px % 2 == 1);
   SOFFIT_EXPECT(!image.bgr.empty());
-  BandClassifier classifier(image.bgr, options);
+  BandClassifier classifier(image, options);
   const std::vector<Histogram> histograms = SampleSaturations(classifier, image.bgr.size(), options);
   Mask mask;
   mask.classes = options.colors;

@@ -53,6 +53,15 @@ TEST(FollowDown, FollowsItThoughRowsAtTheHorizonAreLeftOpenAndItsEndsWereNotStra
   EXPECT_NEAR(found[0].rows.back().left, 300, 1);
 }
 
+TEST(FollowDown, TakesGroundBetweenJambsForNoThing) {
+  Sight sight = Look({95, 97, 98});
+  sight.bgr(cv::Range(kHorizon_y, 400), cv::Range(280, 300)).setTo(test::kBlueWall);
+  sight.bgr(cv::Range(kHorizon_y, 400), cv::Range(321, 341)).setTo(test::kBlueWall);
+  sight.seen(cv::Range(kHorizon_y, 400), cv::Range(280, 300)) = static_cast<uchar>(Seen::kStructure);
+  sight.seen(cv::Range(kHorizon_y, 400), cv::Range(321, 341)) = static_cast<uchar>(Seen::kStructure);
+  EXPECT_THAT(FollowDown(sight, Strange(sight), kReach_px), IsEmpty());
+}
+
 TEST(FollowDown, SaysWhereItEndsBeforeABuilding) {
   Sight sight = Look({95, 97, 98});
   sight.seen.rowRange(300, 360) = static_cast<uchar>(Seen::kStructure);
