@@ -55,12 +55,12 @@ void Carving::AddTo(const Block& block, const Evidence& picture) {
   const int half = block.edge / 2;
   const Eigen::Vector3d middle = grid.Center(x, y, z).array() + (half - 0.5) * grid.voxel_m;
   const auto sees = picture.SeesAlike(middle, Reach(block.edge * grid.voxel_m));
-  if (sees) return Mark(block, *sees);
+  if (sees) return Mark(block, *sees, picture.MayShowLines());
   for (int part = 0; part < 8; ++part)
     AddTo(Block{{x + part % 2 * half, y + part / 2 % 2 * half, z + part / 4 * half}, half}, picture);
 }
 
-void Carving::Mark(const Block& block, Evidence::Sees sees) {
+void Carving::Mark(const Block& block, Evidence::Sees sees, bool may_show_lines) {
   if (sees == Evidence::Sees::kNothing) return;
   const Grid& grid = voxels_.grid;
   Index end;
@@ -70,7 +70,8 @@ void Carving::Mark(const Block& block, Evidence::Sees sees) {
     for (int y = block.first[1]; y < end[1]; ++y) {
       Proof* proof = &proofs_[grid.Number(x, y, block.first[2])];
       for (int z = block.first[2]; z < end[2]; ++z, ++proof) {
-        proof->is_likely_free = proof->has_no_trace = true;
+        proof->is_likely_free = true;
+        if (may_show_lines) proof->has_no_trace = true;
         if (sees == Evidence::Sees::kSure) proof->is_surely_free = true;
       }
     }
@@ -88,7 +89,7 @@ void Carving::AddTo(std::size_t number, const Evidence& picture, const Eigen::Ve
   if (sees == Sees::kSure) proof.is_surely_free = true;
   if (sees == Sees::kSure || sees == Sees::kLikely) {
     proof.is_likely_free = true;
-    if (!picture.ShowsTraceWithin(center, reach_m)) proof.has_no_trace = true;
+    if (picture.MayShowLines() && !picture.ShowsTraceWithin(center, reach_m)) proof.has_no_trace = true;
   }
   if (sees == Sees::kNothing && picture.DistrustsColorAt(center)) proof.is_disputed = true;
   if (sees == Sees::kNothing && picture.ShowsThingAt(center)) {

@@ -66,7 +66,7 @@ class Carving {
   };
 
   void AddTo(const Block& block, const Evidence& picture);
-  void Mark(const Block& block, Evidence::Sees sees);
+  void Mark(const Block& block, Evidence::Sees sees, bool may_show_lines);
   void AddTo(std::size_t number, const Evidence& picture, const Eigen::Vector3d& center);
   void AddParts(Parts& parts, const Evidence& picture, const Eigen::Vector3d& center) const;
   void Widen(Pair& pair, const Eigen::Vector3d& place) const;

@@ -117,14 +117,14 @@ Evidence::Evidence(const Sight& sight, const Prediction& prediction, const cv::M
       view_(sight.view),
       turn_(sight.view.map_from_camera.rotation.toRotationMatrix().transpose()) {
   SOFFIT_EXPECT(sight.seen.size() == prediction.label.size() && votes.size() == prediction.label.size() &&
-                lines.size() == prediction.label.size());
+                (lines.empty() || lines.size() == prediction.label.size()));
   is_doubtful_ = cv::Mat1b(sight.seen.size(), uchar{0});
   Compare(sight, prediction);
   is_disguised_ = FindDisguised(sight, prediction);
   fails_.setTo(1, is_disguised_);
   FindThings(sight, prediction, votes);
   FollowThingsDown(sight, prediction, region);
-  fails_.setTo(1, OnesWhere(lines, LineMark::kLine));
+  if (!lines.empty()) fails_.setTo(1, OnesWhere(lines, LineMark::kLine));
   NoteUnconfirmedGround(sight, prediction, votes, region);
   const int edge = 2 * kEdge_px + 1;
   cv::Mat1f least;
@@ -141,10 +141,12 @@ void Evidence::SumUp(const Prediction& prediction, const cv::Mat1b& lines) {
     return things_[static_cast<std::size_t>(component)].far_m > 0.0F ? uchar{1} : uchar{0};
   });
   is_thing.setTo(1, is_disguised_);
-  const cv::Mat1b is_line = OnesWhere(lines, LineMark::kLine);
-  is_thing.setTo(1, is_line);
-  cv::integral(is_line, line_sum_, CV_32S);
-  cv::integral(Either(is_line, OnesWhere(lines, LineMark::kTrace)), trace_sum_, CV_32S);
+  if (!lines.empty()) {
+    const cv::Mat1b is_line = OnesWhere(lines, LineMark::kLine);
+    is_thing.setTo(1, is_line);
+    cv::integral(is_line, line_sum_, CV_32S);
+    cv::integral(Either(is_line, OnesWhere(lines, LineMark::kTrace)), trace_sum_, CV_32S);
+  }
   cv::integral(fails_, fail_sum_, CV_32S);
   cv::integral(is_doubtful_, doubt_sum_, CV_32S);
   cv::integral(is_ground, ground_sum_, CV_32S);
@@ -318,12 +320,12 @@ bool Evidence::ShowsBarWithin(const Eigen::Vector3d& center_in_map_m, double rad
 
 bool Evidence::ShowsLineWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
   const std::optional<Target> target = About(center_in_map_m, radius_m);
-  return target && Count(line_sum_, target->window) > 0;
+  return target && MayShowLines() && Count(line_sum_, target->window) > 0;
 }
 
 bool Evidence::ShowsTraceWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const {
   const std::optional<Target> target = About(center_in_map_m, radius_m);
-  return target && Count(trace_sum_, target->window) > 0;
+  return target && MayShowLines() && Count(trace_sum_, target->window) > 0;
 }
 
 bool Evidence::DistrustsColorAt(const Eigen::Vector3d& point_in_map_m) const {
@@ -407,7 +409,8 @@ std::optional<Evidence::Sees> Evidence::SeesAlike(const Eigen::Vector3d& center_
   if (w.x0 < 0 || w.y0 < 0 || w.x1 >= fails_.cols || w.y1 >= fails_.rows) return std::nullopt;
   const RangePyramid::Range free_m = free_->Bound(w.x0, w.y0, w.x1, w.y1);
   if (free_m.greatest < near_m && Count(thing_sum_, w) == 0) return Sees::kNothing;
-  if (free_m.least < far_m || Count(fail_sum_, w) > 0 || Count(doubt_sum_, w) > 0 || Count(trace_sum_, w) > 0)
+  if (free_m.least < far_m || Count(fail_sum_, w) > 0 || Count(doubt_sum_, w) > 0 ||
+      (MayShowLines() && Count(trace_sum_, w) > 0))
     return std::nullopt;
   const int ground = Count(ground_sum_, w);
   if (ground == 0) return Sees::kSure;

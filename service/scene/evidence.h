@@ -22,7 +22,7 @@ namespace soffit {
 class Evidence {
  public:
   /// @param votes  GroundVote values of GroundCheck; size of the picture.
-  /// @param lines  LineMark values of ThinLines; size of the picture.
+  /// @param lines  LineMark values of ThinLines; size of the picture, or empty.
   Evidence(const Sight& sight, const Prediction& prediction, const cv::Mat1b& votes, const cv::Mat1b& lines,
            const Eigen::AlignedBox2d& region);
 
@@ -40,8 +40,9 @@ class Evidence {
   /// trace of a line does.
   std::optional<Sees> SeesAlike(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
 
-  /// Whether the ball is before or behind a thin line that may hang or stand there, and whether there is a
-  /// trace of one.
+  /// Whether the picture was searched for thin lines; whether the ball is before or behind one that may hang
+  /// or stand there, or before or behind a trace of one.
+  bool MayShowLines() const { return !line_sum_.empty(); }
   bool ShowsLineWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
   bool ShowsTraceWithin(const Eigen::Vector3d& center_in_map_m, double radius_m) const;
 

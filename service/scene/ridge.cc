@@ -22,7 +22,7 @@ constexpr double kSameLine = 0.985;  // Cosine,
 constexpr double kBesideLine_px = 2.5;
 constexpr double kMostGap_px = 12.0;
 constexpr double kLeastLong_px = 5.0;
-constexpr double kClearlyLong_px = 16.0;
+constexpr double kClearlyLong_px = 12.0;
 constexpr double kMostPixels = 1.3;  // Of a clear one, per pixel of length: texture is wider.
 
 /// How brightness is curved at a pixel.

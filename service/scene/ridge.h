@@ -7,7 +7,7 @@ namespace soffit {
 
 /// A thin line in a picture: a ridge or a valley of brightness, half a pixel to four pixels wide.
 struct Ridge {
-  bool is_clear = false;          ///< It stands out, goes on for at least 16 pixels, and is no blotch.
+  bool is_clear = false;          ///< It stands out, goes on for at least 12 pixels, and is no blotch.
   std::vector<cv::Point> pixels;  ///< Of its middle, in no order.
   cv::Point2d ends_px[2];         ///< On the straight line through it.
   cv::Point2d along;              ///< Unit vector from the first end to the second.

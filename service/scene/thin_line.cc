@@ -26,9 +26,10 @@ constexpr std::size_t kLeastPixels = 12;
 constexpr double kLeastLong = 0.03;       // Over the picture's width, of what begins at the model,
 constexpr double kLeastUpright = 0.06;    // and of what stands free.
 constexpr double kLeastUnseen_px = 12.0;  // By which a line may go on unseen; or by half its length.
-constexpr double kOnGround = 0.9;         // Of a line's pixels.
-constexpr double kReach_px = 2.0;         // By which a mark may lie beside in another picture,
-constexpr double kReachSigmas = 2.0;      // and by its pose.
+constexpr int kFaintEnd_px = 10;
+constexpr double kOnGround = 0.9;     // Of a line's pixels.
+constexpr double kReach_px = 2.0;     // By which a mark may lie beside in another picture,
+constexpr double kReachSigmas = 2.0;  // and by its pose.
 constexpr double kMostReach_px = 16.0;
 constexpr double kKnown = 0.5;  // Of a mark's pixels that others show,
 constexpr double kShown = 0.6;  // and of these, that are lines there.
@@ -81,22 +82,26 @@ class Backdrop {
     });
   }
 
-  /// None when the ridge is too short, or begins nowhere at the model and is not upright.
+  /// None when the ridge is too short, or neither upright nor from one edge of the model to another: where it
+  /// shows before ground alone, one end at the model is not enough.
   std::optional<ThinLine> Pick(const Ridge& ridge) const {
     ThinLine line;
     line.pixels = Keep(ridge);
+    int held = 0;  // Ends at the model.
     const double most_px = std::max(kLeastUnseen_px, ridge.length_px() / 2.0);
     for (const auto& [end, step] :
          {std::pair(ridge.ends_px[0], -ridge.along), {ridge.ends_px[1], ridge.along}}) {
-      const std::vector<cv::Point2d> way = ReachModel(end, step, most_px);
+      std::vector<cv::Point2d> way = ReachModel(end, step, most_px);
+      held += way.empty() ? 0 : 1;
+      if (way.empty()) way = Walk(end, step, kFaintEnd_px);
       line.extended.insert(line.extended.end(), way.begin(), way.end());
     }
-    const bool is_free = line.extended.empty();
-    const double length = ridge.length_px() / label_.cols;
-    if (line.pixels.size() < kLeastPixels || length < (is_free ? kLeastUpright : kLeastLong))
-      return std::nullopt;
-    if (is_free && std::abs(ridge.along.y) < kStraight) return std::nullopt;
     line.is_on_ground = AreOnGround(line.pixels);
+    const double length = ridge.length_px() / label_.cols;
+    const bool is_upright = std::abs(ridge.along.y) > kStraight;
+    if (line.pixels.size() < kLeastPixels || length < (held == 0 ? kLeastUpright : kLeastLong))
+      return std::nullopt;
+    if (!is_upright && held < (line.is_on_ground ? 2 : 1)) return std::nullopt;
     return line;
   }
 
@@ -109,6 +114,13 @@ class Backdrop {
       if (shown_.contains(pixel) && model_(pixel) == 0 && !is_horizon) kept.emplace_back(pixel);
     }
     return kept;
+  }
+
+  /// The end of a line is fainter than its middle.
+  std::vector<cv::Point2d> Walk(cv::Point2d at, const cv::Point2d& step, int steps) const {
+    std::vector<cv::Point2d> way;
+    for (int i = 0; i < steps && shown_.contains(Round(at)); ++i, at += step) way.push_back(at);
+    return way;
   }
 
   /// Whether most of what is between two places is the model.
@@ -217,9 +229,9 @@ bool ThinLines::IsMark(const Picture& picture, const ThinLine& line) const {
 cv::Mat1b ThinLines::Settle(std::size_t number) const {
   SOFFIT_EXPECT(number < pictures_.size());
   const Picture& picture = pictures_[number];
+  if (picture.traces.empty()) return {};
   const Intrinsics& k = picture.view.intrinsics;
   cv::Mat1b marks(cv::Size(k.width_px, k.height_px), static_cast<uchar>(LineMark::kNone));
-  if (picture.traces.empty()) return marks;
   cv::Mat1b traces;
   cv::resize(picture.traces, traces, marks.size(), 0.0, 0.0, cv::INTER_NEAREST);
   marks.setTo(static_cast<uchar>(LineMark::kTrace), traces);

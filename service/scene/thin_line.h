@@ -18,7 +18,7 @@ enum class LineMark : std::uint8_t {
 
 struct ThinLine {
   std::vector<cv::Point2d> pixels;
-  std::vector<cv::Point2d> extended;  ///< From its ends on to the model's edge.
+  std::vector<cv::Point2d> extended;  ///< Beyond its ends, up to the model's edge if that is near.
   bool is_on_ground = false;          ///< Or before it.
 };
 
@@ -37,7 +37,7 @@ class ThinLines {
   void Add(const Sight& sight, const Prediction& prediction);
 
   /// @param number  Of the picture, from 0 in the order of Add().
-  /// @return A LineMark for each pixel.
+  /// @return A LineMark for each pixel; empty when it was not searched.
   cv::Mat1b Settle(std::size_t number) const;
 
  private:
