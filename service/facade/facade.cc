@@ -25,6 +25,10 @@ constexpr double kPixelStd = 0.7;
 constexpr double kSameWidthShare = 0.92;  // A gap that narrows less shows no sides of a recess.
 constexpr double kMisfitSigmas = 6.0;     // Of the pose: by so much the picture may be beside the wall's end.
 constexpr int kHeadSegments = 24;
+constexpr int kJambEdgeCells = 3;  // Where colours mix.
+constexpr int kLeastJambCells = 6;
+constexpr double kSameColor = 14.0;       // Of 255, in each channel.
+constexpr double kPaintedShare = 0.85;    // Of the rows.
 constexpr double kJambCells = 2.5;        // A jamb's foot that moves by less does not drift.
 constexpr double kJambShare = 0.15;       // Of the horizon's height: so far up its foot is looked at,
 constexpr double kJambEnd = 0.9;          // and so far to its end.
@@ -283,6 +287,43 @@ Span MeasureSides(const Elevation& view, const Gap& gap, const Mouth& mouth) {
   return {Median(lefts), Median(rights)};
 }
 
+/// Mean colour of the cells of one row.
+cv::Vec3d MeanColor(const Elevation& view, int row, int first, int last) {
+  cv::Vec3d sum;
+  for (int column = first; column <= last; ++column) sum += cv::Vec3d(view.bgr(row, column));
+  return sum / (last - first + 1.0);
+}
+
+/// Whether a mouth shows on both sides, where the jambs of a passage would hide it, the same as between them:
+/// then it is painted on the wall, or so the pictures look. False when that cannot be told.
+bool LacksJambs(const Elevation& view, const Span& mouth, double bottom, double top, double shrink) {
+  const double foot = view.camera_uv_m.x();
+  const double horizon = view.camera_uv_m.y();
+  if (foot < mouth.low || foot > mouth.high) return false;
+  const Span far{foot + (mouth.low - foot) * shrink, foot + (mouth.high - foot) * shrink};
+  const int wide = view.Column(std::min(far.low - mouth.low, mouth.high - far.high)) - 2 * kJambEdgeCells;
+  if (wide < kLeastJambCells) return false;
+  const int left = view.Column(far.low), right = view.Column(far.high);
+  const int last_row = view.Row(std::min(top, horizon + (top - horizon) * shrink)) - kJambEdgeCells;
+  int rows = 0;
+  int alike = 0;
+  for (int row = view.Row(std::max(bottom, horizon * (1.0 - shrink))) + kJambEdgeCells; row < last_row;
+       ++row) {
+    const int near_left = left - kJambEdgeCells, near_right = right + kJambEdgeCells;
+    if (row >= view.bgr.rows || near_left - wide < 0 || near_right + wide >= view.bgr.cols) return false;
+    const double difference =
+        std::max(cv::norm(MeanColor(view, row, near_left - wide, near_left) -
+                              MeanColor(view, row, left + kJambEdgeCells, left + kJambEdgeCells + wide),
+                          cv::NORM_INF),
+                 cv::norm(MeanColor(view, row, near_right, near_right + wide) -
+                              MeanColor(view, row, right - kJambEdgeCells - wide, right - kJambEdgeCells),
+                          cv::NORM_INF));
+    ++rows;
+    alike += difference < kSameColor ? 1 : 0;
+  }
+  return rows >= kLeastJambCells && alike >= kPaintedShare * rows;
+}
+
 struct Head {
   double spring_m = 0.0;
   double rise_m = 0.0;  ///< 0: straight.
@@ -479,6 +520,10 @@ std::optional<Opening> MeasureOpening(const Elevation& view, const Sight& sight,
   Head head = MeasureHead(view, gap, mouth, sides);
   const double top = head.spring_m + head.rise_m;
   if (!(top > bottom + 2.0 * view.cell_m) || top >= height_m) return std::nullopt;
+  if (opening.shows_background && LacksJambs(view, sides, bottom, top, mouth.shrink)) {
+    opening.is_through = opening.shows_background = false;
+    opening.evidence += ", but not the sides of a passage: it may be painted";
+  }
   opening.ring_in_wall_m = MouthRing(sides, bottom, head);
   opening.std_m = std::hypot(view.pose_std_m, kPixelStd * view.cell_m / mouth.shrink);
   if (!IsSimple(opening.ring_in_wall_m)) return std::nullopt;

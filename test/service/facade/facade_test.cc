@@ -36,6 +36,20 @@ TEST(ReadFacades, MeasuresASeeThroughOpening) {
   EXPECT_NEAR(opening.ring_in_wall_m[2].y(), 1.5, 0.02);
 }
 
+TEST(ReadFacades, TakesALandscapePaintedOnTheWallForNoOpening) {
+  const test::Thing wall = test::Block(test::Box(-2.0, -0.75, 2.0, 0.75), 0.0, 2.3, test::kBlueWall);
+  const auto paint = [](double low, double high, const cv::Vec3b& bgr) {
+    return test::Block(test::Box(-0.8, -0.76, 0.8, -0.75), low, high, bgr);
+  };
+  const auto seeing = Look({test::FromSouth()},
+                           {wall, paint(0.0, 1.1, test::kGreyGround), paint(1.1, 1.5, test::kBrightSky)});
+  const auto facades = ReadFacades(Arch{}.footprint(), seeing.images, seeing.masks, seeing.sights, {});
+  for (const Opening& opening : facades[0].openings) {
+    EXPECT_FALSE(opening.is_through);
+    EXPECT_FALSE(opening.shows_background);
+  }
+}
+
 /// A passage that leads to the east by as much as to the north, standing on the ground.
 test::Thing Slanted() {
   const Ring opening = {{-1.45, -0.85}, {-0.25, -0.85}, {1.45, 0.85}, {0.25, 0.85}};
@@ -51,7 +65,8 @@ TEST(ReadFacades, FollowsTheJambsOfASlantedPassage) {
   for (const std::size_t side : {std::size_t{0}, std::size_t{2}}) {
     ASSERT_THAT(facades[side].openings, SizeIs(1));
     const Opening& opening = facades[side].openings[0];
-    EXPECT_NEAR(opening.ring_in_wall_m[0].x(), 0.65, 0.03);  // Both mouths are at the left, seen from outside.
+    EXPECT_NEAR(opening.ring_in_wall_m[0].x(), 0.65,
+                0.03);  // Both mouths are at the left, seen from outside.
     EXPECT_NEAR(opening.ring_in_wall_m[1].x(), 1.85, 0.03);
     EXPECT_FALSE(opening.right_drift.has_value());  // Its own mouth hides that jamb.
     ASSERT_TRUE(opening.left_drift.has_value());
