@@ -78,7 +78,7 @@ class Backdrop {
       const double away_px = (begin - end).dot(ridge.along) * (is_after ? 1.0 : -1.0);
       const double beside_px = std::abs((begin - end).cross(ridge.along));
       return away_px > kLeastHidden_px * pixel && beside_px < kBeside_px * pixel + kBesideShare * away_px &&
-             IsHidden(end, begin);
+             IsHidden(end, begin) && Keep(other).size() >= kLeastPixels;
     });
   }
 
