@@ -27,12 +27,13 @@ constexpr double kMisfitSigmas = 6.0;     // Of the pose: by so much the picture
 constexpr int kHeadSegments = 24;
 constexpr int kJambEdgeCells = 3;  // Where colours mix.
 constexpr int kLeastJambCells = 6;
-constexpr double kSameColor = 14.0;       // Of 255, in each channel.
-constexpr double kPaintedShare = 0.85;    // Of the rows.
-constexpr double kJambCells = 2.5;        // A jamb's foot that moves by less does not drift.
-constexpr double kJambShare = 0.15;       // Of the horizon's height: so far up its foot is looked at,
-constexpr double kJambEnd = 0.9;          // and so far to its end.
-constexpr double kThresholdShare = 0.06;  // The same where its end is not known.
+constexpr double kSameColor = 14.0;        // Of 255, in each channel.
+constexpr double kMostlyBackground = 0.7;  // Of the cells.
+constexpr double kPaintedShare = 0.75;     // Of the rows.
+constexpr double kJambCells = 2.5;         // A jamb's foot that moves by less does not drift.
+constexpr double kJambShare = 0.15;        // Of the horizon's height: so far up its foot is looked at,
+constexpr double kJambEnd = 0.9;           // and so far to its end.
+constexpr double kThresholdShare = 0.06;   // The same where its end is not known.
 
 bool Is(uchar seen, Seen wanted) { return seen == static_cast<uchar>(wanted); }
 
@@ -287,41 +288,48 @@ Span MeasureSides(const Elevation& view, const Gap& gap, const Mouth& mouth) {
   return {Median(lefts), Median(rights)};
 }
 
-/// Mean colour of the cells of one row.
-cv::Vec3d MeanColor(const Elevation& view, int row, int first, int last) {
-  cv::Vec3d sum;
-  for (int column = first; column <= last; ++column) sum += cv::Vec3d(view.bgr(row, column));
-  return sum / (last - first + 1.0);
+/// Some cells of one row.
+struct Strip {
+  cv::Vec3d color;          ///< Their mean.
+  double background = 0.0;  ///< Share of them.
+};
+
+Strip Summarize(const Elevation& view, int row, int first, int count) {
+  Strip strip;
+  for (int column = first; column < first + count; ++column) {
+    strip.color += cv::Vec3d(view.bgr(row, column)) / count;
+    const uchar seen = view.seen(row, column);
+    strip.background += Is(seen, Seen::kSky) || Is(seen, Seen::kGround) ? 1.0 / count : 0.0;
+  }
+  return strip;
 }
 
-/// Whether a mouth shows on both sides, where the jambs of a passage would hide it, the same as between them:
-/// then it is painted on the wall, or so the pictures look. False when that cannot be told.
+/// Whether a mouth shows background on both sides, where the jambs of a passage would hide it, and the same
+/// as beside that, between them: then it is painted on the wall. False when that cannot be told.
 bool LacksJambs(const Elevation& view, const Span& mouth, double bottom, double top, double shrink) {
   const double foot = view.camera_uv_m.x();
   const double horizon = view.camera_uv_m.y();
   if (foot < mouth.low || foot > mouth.high) return false;
   const Span far{foot + (mouth.low - foot) * shrink, foot + (mouth.high - foot) * shrink};
   const int wide = view.Column(std::min(far.low - mouth.low, mouth.high - far.high)) - 2 * kJambEdgeCells;
-  if (wide < kLeastJambCells) return false;
-  const int left = view.Column(far.low), right = view.Column(far.high);
-  const int last_row = view.Row(std::min(top, horizon + (top - horizon) * shrink)) - kJambEdgeCells;
-  int rows = 0;
+  const int left = view.Column(far.low);
+  const int right = view.Column(far.high);
+  if (wide < kLeastJambCells || left < kJambEdgeCells + wide || right + kJambEdgeCells + wide > view.bgr.cols)
+    return false;
+  const auto goes_on = [&](int row, int beside, int between) {
+    const Strip jamb = Summarize(view, row, beside, wide);
+    const double apart = cv::norm(jamb.color - Summarize(view, row, between, wide).color, cv::NORM_INF);
+    return jamb.background > kMostlyBackground && apart < kSameColor;
+  };
+  const int first = view.Row(std::max(bottom, horizon * (1.0 - shrink))) + kJambEdgeCells;
+  const int last =
+      std::min(view.Row(std::min(top, horizon + (top - horizon) * shrink)) - kJambEdgeCells, view.bgr.rows);
   int alike = 0;
-  for (int row = view.Row(std::max(bottom, horizon * (1.0 - shrink))) + kJambEdgeCells; row < last_row;
-       ++row) {
-    const int near_left = left - kJambEdgeCells, near_right = right + kJambEdgeCells;
-    if (row >= view.bgr.rows || near_left - wide < 0 || near_right + wide >= view.bgr.cols) return false;
-    const double difference =
-        std::max(cv::norm(MeanColor(view, row, near_left - wide, near_left) -
-                              MeanColor(view, row, left + kJambEdgeCells, left + kJambEdgeCells + wide),
-                          cv::NORM_INF),
-                 cv::norm(MeanColor(view, row, near_right, near_right + wide) -
-                              MeanColor(view, row, right - kJambEdgeCells - wide, right - kJambEdgeCells),
-                          cv::NORM_INF));
-    ++rows;
-    alike += difference < kSameColor ? 1 : 0;
+  for (int row = first; row < last; ++row) {
+    const bool is_left = goes_on(row, left - kJambEdgeCells - wide, left + kJambEdgeCells);
+    alike += is_left && goes_on(row, right + kJambEdgeCells, right - kJambEdgeCells - wide) ? 1 : 0;
   }
-  return rows >= kLeastJambCells && alike >= kPaintedShare * rows;
+  return last - first >= kLeastJambCells && alike >= kPaintedShare * (last - first);
 }
 
 struct Head {
