@@ -9,7 +9,7 @@
 namespace soffit {
 namespace {
 
-constexpr double kExact_m = 1e-3;
+constexpr double kExact_m = 5e-3;
 constexpr std::array<double, 3> kReachShares = {0.3, 0.6, 1.0};
 
 using Triangle = std::array<Eigen::Vector3d, 3>;

@@ -14,7 +14,7 @@ struct Distances {
   double to_surface_m = 0.0;   ///< To the surface of a model.
 };
 
-/// Exact to a millimetre for the models, and as exact as the voxels are for the others. What is farther away
+/// Exact to 5 mm for the models, and as exact as the voxels are for the others. What is farther away
 /// than `reach_m` counts as that.
 ///
 /// @param path_in_map_m  Level; two points at least.
