@@ -25,16 +25,25 @@ cv::Mat1b CorrectionTable(const Image& image, double gamma) {
   return table;
 }
 
+bool ChangesNothing(const cv::Mat1b& table) {
+  for (int level = 0; level < table.cols; ++level) {
+    if (table(0, level) != level) return false;
+  }
+  return true;
+}
+
 /// Labels the pixels of some rows, which then stay in the cache.
 class BandClassifier {
  public:
   BandClassifier(const Image& image, const MaskOptions& options)
-      : bgr_(image.bgr), options_(options), table_(CorrectionTable(image, options.gamma)) {}
+      : bgr_(image.bgr), options_(options), table_(CorrectionTable(image, options.gamma)) {
+    if (ChangesNothing(table_)) table_.release();
+  }
 
   /// The rows as they are classified, filtered and corrected; until the next call.
   const cv::Mat3b& Classify(cv::Range rows, const ColorClasses& classes, cv::Mat1b labels) {
     FilterMedian(bgr_, rows, options_.median_px, filtered_);
-    cv::LUT(filtered_, table_, filtered_);
+    if (!table_.empty()) cv::LUT(filtered_, table_, filtered_);
     for (int row = 0; row < filtered_.rows; ++row) {
       ClassifyPixels(filtered_.ptr(row), static_cast<std::size_t>(filtered_.cols), classes, labels[row]);
     }
@@ -44,7 +53,7 @@ class BandClassifier {
  private:
   const cv::Mat3b& bgr_;
   const MaskOptions& options_;
-  cv::Mat1b table_;
+  cv::Mat1b table_;  ///< Empty when it would change nothing, as in most pictures.
   cv::Mat3b filtered_;
 };
 
