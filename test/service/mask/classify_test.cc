@@ -1,12 +1,12 @@
 #include "service/mask/classify.h"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <cmath>
 #include <opencv2/core.hpp>
 
 #include "shared/result/result.h"
+#include "test/support/instruction_sets.h"
 
 namespace soffit {
 namespace {
@@ -33,22 +33,8 @@ cv::Vec3b FromHsv(double hue_deg, double saturation, double value) {
   return {channel(1.0), channel(3.0), channel(5.0)};
 }
 
-/// Once with each instruction set that this processor has.
-class ClassifyPixelsWith : public ::testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { Use(GetParam()); }
-  void TearDown() override { Use(0); }
-
- private:
-  static void Use(std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().DeInit();
-  }
-};
-
-INSTANTIATE_TEST_SUITE_P(InstructionSets, ClassifyPixelsWith,
-                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& set) { return hwy::TargetName(set.param); });
+class ClassifyPixelsWith : public test::WithInstructionSet {};
+INSTANTIATE_TEST_SUITE_P(InstructionSets, ClassifyPixelsWith, test::AllInstructionSets(), test::NameOfSet);
 
 TEST_P(ClassifyPixelsWith, PartsTheHuesAllAroundTheCircle) {
   const ColorClasses classes = MakeColorClasses(kColors, 0.1, std::vector<double>(7, 0.4));

@@ -1,11 +1,11 @@
 #include "service/mask/median.h"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <opencv2/imgproc.hpp>
 
 #include "shared/result/result.h"
+#include "test/support/instruction_sets.h"
 
 namespace soffit {
 namespace {
@@ -35,22 +35,8 @@ void ExpectEqualsOpenCv(const cv::Mat& picture, int size_px = 7) {
   EXPECT_EQ(cv::norm(filtered, expected, cv::NORM_INF), 0.0) << picture.size() << " type " << picture.type();
 }
 
-/// Once with each instruction set that this processor has.
-class FilterMedianWith : public ::testing::TestWithParam<std::int64_t> {
- protected:
-  void SetUp() override { Use(GetParam()); }
-  void TearDown() override { Use(0); }
-
- private:
-  static void Use(std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().DeInit();
-  }
-};
-
-INSTANTIATE_TEST_SUITE_P(InstructionSets, FilterMedianWith,
-                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& set) { return hwy::TargetName(set.param); });
+class FilterMedianWith : public test::WithInstructionSet {};
+INSTANTIATE_TEST_SUITE_P(InstructionSets, FilterMedianWith, test::AllInstructionSets(), test::NameOfSet);
 
 TEST_P(FilterMedianWith, EqualsOpenCvOnNoiseOfAnySize) {
   int seed = 0;
