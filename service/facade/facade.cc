@@ -585,6 +585,7 @@ std::vector<Facade> ReadFacades(const Footprint& object, const std::vector<Image
     facade.height_m = height.value_m;
     facade.height_std_m = height.std_m;
     facade.was_seen = view.has_value();
+    if (view) facade.capture_id = view->capture_id;
     if (facade.was_seen && height.value_m > 0.0) {
       for (const Gap& gap : FindGaps(*view, height.value_m, options.min_opening_m)) {
         std::optional<Opening> opening = MeasureOpening(

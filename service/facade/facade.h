@@ -22,7 +22,8 @@ struct Sight {
   std::uint32_t capture_id = 0;
   bool has_trusted_pose = false;
   View view;
-  cv::Mat3b bgr;  ///< The picture itself, shared with the Image.
+  Intrinsics taken;  ///< Of the picture before it was undistorted and shrunk.
+  cv::Mat3b bgr;     ///< The picture itself, shared with the Image.
   cv::Mat1b seen;
   cv::Rect shown;  ///< What lies outside shows nothing: the margin of an undistorted picture.
 };
@@ -59,6 +60,7 @@ struct Facade {
   double height_std_m = 0.0;
   bool was_seen = false;  ///< False: no picture shows enough of it; then `openings` means nothing.
   std::vector<Opening> openings;
+  std::uint32_t capture_id = 0;  ///< The picture that it was read from, when it was seen.
 };
 
 struct FacadeOptions {

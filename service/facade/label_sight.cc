@@ -431,6 +431,7 @@ Sight LabelSight(const Image& image, const Mask& buildings, const FacadeOptions&
   sight.capture_id = image.capture_id;
   sight.has_trusted_pose = image.has_trusted_pose;
   sight.view = image.view;
+  sight.taken = image.taken;
   sight.bgr = image.bgr;
   sight.seen = cv::Mat1b(image.bgr.size(), static_cast<uchar>(Seen::kUnexplained));
   cv::Mat3b smooth;

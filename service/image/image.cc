@@ -189,6 +189,7 @@ Result<Image> DecodeImage(const Capture& capture, const ImageOptions& options) {
   image.has_trusted_pose = capture.has_trusted_pose;
   image.view = {k, capture.map_from_camera, capture.position_std_m, capture.orientation_std_rad};
   image.view.map_from_camera.rotation.normalize();
+  image.taken = k;
   image.seen = cv::Rect(0, 0, bgr.cols, bgr.rows);
   image.bgr = bgr;
   if (HasDistortion(k)) {

@@ -19,6 +19,7 @@ struct Image {
   cv::Mat3b bgr;  ///< Never empty.
   cv::Rect seen;  ///< The rectangle in which every pixel was seen by the lens. Never empty.
   View view;
+  Intrinsics taken;  ///< Of the picture as it was given, with distortion.
 };
 
 struct ImageOptions {

@@ -7,6 +7,7 @@
 
 #include "service/facade/align.h"
 #include "service/footprint/shape.h"
+#include "service/solid/face_picture.h"
 
 namespace soffit {
 namespace {
@@ -233,6 +234,7 @@ Understanding Understand(const std::vector<Observation>& observations, const Ref
   if (is_found) RefineMatch(objects, all.matches.front(), reference, options.match);
 
   const std::vector<Sight> sights = CollectSights(observations, views, objects);
+  solids = FindFacePictures(std::move(solids), all.facades, sights);
   all.scene = BuildScene(revision, std::move(objects), std::move(solids), sights, options.scene);
   for (const SceneObject& object : all.scene.objects) {
     const std::uint32_t id = object.footprint.object_id;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <utility>
 #include <vector>
 
@@ -26,8 +27,20 @@ struct Tube {
   std::vector<std::vector<Eigen::Vector3d>> rings_m;
 };
 
+/// Which polygon of which tube a triangle lies on.
+struct Origin {
+  std::size_t tube = 0;   ///< 0: the body; else a cut, counted from 1.
+  std::size_t piece = 0;  ///< Of a side: between which rings it lies. Of an end: which of the two.
+  int side = -1;          ///< On the ring's corners `side` and the next; -1: an end.
+  auto operator<=>(const Origin&) const = default;
+};
+
+struct Difference : Mesh {
+  std::vector<Origin> origins;  ///< Of each triangle.
+};
+
 /// `body` less all `cuts`, by corefinement with exact constructions (CGAL, Polygon Mesh Processing: S. Loriot
 /// et al.). An error when one is degenerate or the difference is not a solid.
-Result<Mesh> Subtract(const Tube& body, const std::vector<Tube>& cuts);
+Result<Difference> Subtract(const Tube& body, const std::vector<Tube>& cuts);
 
 }  // namespace soffit

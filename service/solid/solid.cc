@@ -7,6 +7,7 @@
 
 #include "service/facade/wall.h"
 #include "service/solid/boolean.h"
+#include "service/solid/face.h"
 #include "service/solid/passage.h"
 #include "service/solid/setback.h"
 
@@ -53,8 +54,14 @@ struct Assembly {
   const Footprint& footprint;
   const std::vector<Facade>& facades;
   Solid solid;
-  std::vector<Tube> cuts;
-  std::set<Mouth> mouths = {};  ///< Of passages.
+  std::vector<Tube> cuts = {};
+  std::vector<Inside> insides = {};  ///< What each cut leaves.
+  std::set<Mouth> mouths = {};       ///< Of passages.
+
+  void Cut(Tube tube, const Inside& inside) {
+    cuts.push_back(std::move(tube));
+    insides.push_back(inside);
+  }
 
   std::size_t List(int side, const Ring& ring, const Opening& opening, bool is_through) {
     const Wall wall = WallOf(footprint, side);
@@ -95,7 +102,8 @@ struct Assembly {
     const bool bends = passage.sections_in_map_m.size() > 2;
     passage.std_m = (bends ? kKneeStds : 1.0) * std::max(solid.openings[passage.entry_opening].std_m,
                                                          solid.openings[passage.exit_opening].std_m);
-    cuts.push_back(CutFor(passage, footprint.polygon_in_map_m.outer));
+    Cut(CutFor(passage, footprint.polygon_in_map_m.outer),
+        {passage.entry_wall, static_cast<int>(passage.entry_opening)});
     solid.passages.push_back(std::move(passage));
   }
 
@@ -104,10 +112,10 @@ struct Assembly {
     const Facade& facade = facades[mouth.facade];
     const Opening& opening = facade.openings[mouth.opening];
     const Ring& ring = opening.recess ? opening.recess->ring_in_wall_m : opening.ring_in_wall_m;
-    List(facade.side, ring, opening, false);
+    const std::size_t listed = List(facade.side, ring, opening, false);
     if (!opening.recess) return;
     const Wall wall = WallOf(footprint.polygon_in_map_m.outer, facade.side);
-    cuts.push_back(CutFor(wall, ring, opening.recess->depth_m));
+    Cut(CutFor(wall, ring, opening.recess->depth_m), {facade.side, static_cast<int>(listed)});
   }
 };
 
@@ -118,7 +126,7 @@ Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& 
   if (polygon.outer.size() < 3 || !IsSimple(polygon.outer) || !(SignedArea(polygon.outer) > 0.0)) {
     return InvalidInput("the footprint is not a simple counter-clockwise polygon");
   }
-  Assembly assembly{footprint, facades, {}, {}};
+  Assembly assembly{footprint, facades, {}};
   Solid& solid = assembly.solid;
   solid.footprint = footprint;
   for (const Facade& facade : facades) {
@@ -134,13 +142,14 @@ Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& 
                  "its height is not known: a picture of a wall with its upper edge is needed"};
   }
   for (int side = 0; side < static_cast<int>(polygon.outer.size()); ++side) {
-    if (const std::optional<Prism> cut = CutAbove(footprint, side)) assembly.cuts.emplace_back(*cut);
+    if (const std::optional<Prism> cut = CutAbove(footprint, side)) assembly.Cut(*cut, {side, -1});
   }
   for (const Ring& hole : polygon.holes) {
     Ring turned(hole.rbegin(), hole.rend());
-    assembly.cuts.emplace_back(Prism{
-        std::move(turned), Up({0.0, 0.0}, -kOvercut_m), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
-        (solid.footprint.height_m + 2.0 * kOvercut_m) * Eigen::Vector3d::UnitZ()});
+    assembly.Cut(Prism{std::move(turned), Up({0.0, 0.0}, -kOvercut_m), Eigen::Vector3d::UnitX(),
+                       Eigen::Vector3d::UnitY(),
+                       (solid.footprint.height_m + 2.0 * kOvercut_m) * Eigen::Vector3d::UnitZ()},
+                 {-1, -1});
   }
   for (Tunnel& tunnel : FindTunnels(polygon, facades)) assembly.AddPassage(std::move(tunnel));
   for (std::size_t i = 0; i < facades.size(); ++i) {
@@ -149,14 +158,33 @@ Result<Solid> RaiseSolid(const Footprint& footprint, const std::vector<Facade>& 
   }
   const Prism body{polygon.outer, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
                    solid.footprint.height_m * Eigen::Vector3d::UnitZ()};
-  Result<Mesh> mesh = Subtract(body, assembly.cuts);
+  Result<Difference> mesh = Subtract(body, assembly.cuts);
   if (!mesh.ok()) return mesh.error();
+  solid.faces = GatherFaces(mesh.value(), assembly.insides);
   solid.mesh = std::move(mesh).value();
   solid.volume_m3 = VolumeM3(solid.mesh);
   if (!IsClosedManifold(solid.mesh)) {
     return Error{Error::Code::kInternal, "the solid is not a closed 2-manifold"};
   }
   return std::move(solid);
+}
+
+const char* ToString(FaceKind kind) {
+  switch (kind) {
+    case FaceKind::kGround:
+      return "GroundSurface";
+    case FaceKind::kRoof:
+      return "RoofSurface";
+    case FaceKind::kCeiling:
+      return "OuterCeilingSurface";
+    case FaceKind::kFloor:
+      return "OuterFloorSurface";
+    case FaceKind::kBack:
+      return "Window";
+    case FaceKind::kWall:
+      break;
+  }
+  return "WallSurface";
 }
 
 bool IsClosedManifold(const Mesh& mesh) {

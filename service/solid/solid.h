@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,28 @@ struct Passage {
   double std_m = 0.0;                      ///< Of the sides of its sections.
 };
 
+enum class FaceKind { kGround, kRoof, kWall, kCeiling, kFloor, kBack };  ///< kBack: of a recess.
+const char* ToString(FaceKind kind);  ///< As CityGML names such a surface: "GroundSurface", ..., "Window".
+
+/// Where a face is in the picture that it came from.
+struct FacePicture {
+  std::uint32_t capture_id = 0;
+  /// The face's outline, cut off at the picture's edge, in pixels of the picture as it was taken. Its rings
+  /// turn as they happen to; parts of one that the picture's edge separates hang together along that edge.
+  Polygon outline_px;
+  double shown_ratio = 0.0;  ///< Share of the face that the picture shows; the rest is cut off or hidden.
+};
+
+/// A part of the surface that came about as a whole, and hangs together. It is planar, but where a passage
+/// twists.
+struct Face {
+  FaceKind kind = FaceKind::kWall;
+  int wall = -1;     ///< The side of the footprint that it stands on or belongs to; -1: none.
+  int opening = -1;  ///< The passage or recess that it is inside of, by its first mouth in Solid::openings.
+  std::vector<std::size_t> triangles;  ///< Of the mesh.
+  std::optional<FacePicture> picture;  ///< As FindFacePictures() says.
+};
+
 /// Closed, oriented 2-manifold model of one building.
 struct Solid {
   Footprint footprint;  ///< As adjusted to all pictures.
@@ -48,6 +71,7 @@ struct Solid {
   double volume_m3 = 0.0;
   std::vector<SolidOpening> openings;
   std::vector<Passage> passages;
+  std::vector<Face> faces;        ///< Each triangle is in one.
   std::vector<int> unseen_walls;  ///< Nothing is known of openings in these.
 };
 

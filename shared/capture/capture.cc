@@ -42,6 +42,15 @@ std::optional<Eigen::Vector2d> Project(const View& view, const Eigen::Vector3d& 
   return Eigen::Vector2d(k.fx_px * p.x() / p.z() + k.cx_px, k.fy_px * p.y() / p.z() + k.cy_px);
 }
 
+Eigen::Vector2d PixelOf(const Intrinsics& k, const Eigen::Vector2d& direction) {
+  const auto& [k1, k2, p1, p2, k3] = k.distortion;
+  const double x = direction.x(), y = direction.y();
+  const double r2 = x * x + y * y;
+  const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  return {k.fx_px * (radial * x + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)) + k.cx_px,
+          k.fy_px * (radial * y + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y) + k.cy_px};
+}
+
 Eigen::Vector3d RayDirection(const View& view, const Eigen::Vector2d& pixel) {
   const Intrinsics& k = view.intrinsics;
   const Eigen::Vector3d in_camera((pixel.x() - k.cx_px) / k.fx_px, (pixel.y() - k.cy_px) / k.fy_px, 1.0);

@@ -59,6 +59,9 @@ struct View {
 /// the picture.
 std::optional<Eigen::Vector2d> Project(const View& view, const Eigen::Vector3d& in_map_m);
 
+/// Pixel at which a lens shows what lies in the direction (x, y, 1) of the camera, distortion included.
+Eigen::Vector2d PixelOf(const Intrinsics& intrinsics, const Eigen::Vector2d& direction);
+
 /// Unit direction, in the map, of the ray through a pixel.
 Eigen::Vector3d RayDirection(const View& view, const Eigen::Vector2d& pixel);
 

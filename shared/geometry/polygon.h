@@ -7,6 +7,7 @@ namespace soffit {
 
 /// Corners in order, not closed (the last corner is not the first again). Unit: that of the coordinates.
 using Ring = std::vector<Eigen::Vector2d>;
+using Ring3 = std::vector<Eigen::Vector3d>;
 
 /// A region of the plane: the inside of `outer` without the insides of `holes`.
 /// Valid when every ring is simple with n >= 3, `outer` counter-clockwise (in a y-up frame) and holes

@@ -3,33 +3,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "service/pipeline/pipeline.h"
+#include "service/solid/face_picture.h"
 
 namespace soffit::test {
 
 /// A red arch of 4 x 1.5 x 2.3 m with a passage of 1.6 x 1.4 m from its south to its north side, a blue
 /// neighbour, a pole that no model accounts for, and a CLEAR corridor: what a good survey of it would give.
-inline Mesh ArchMesh() {
-  Mesh mesh;
-  // The outline of the south wall, walked counter-clockwise seen from the south; the north wall lies 1.5 m
-  // behind.
-  const std::vector<Eigen::Vector2d> profile = {{0, 0},   {1.2, 0}, {1.2, 1.4}, {2.8, 1.4},
-                                                {2.8, 0}, {4, 0},   {4, 2.3},   {0, 2.3}};
-  for (const double y : {0.0, 1.5}) {
-    for (const Eigen::Vector2d& p : profile) mesh.vertices_in_map_m.emplace_back(p.x(), y, p.y());
-  }
-  for (const auto& [a, b, c] :
-       std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 7}, {2, 3, 7}, {3, 6, 7}, {3, 4, 5}, {3, 5, 6}}) {
-    mesh.triangles.push_back({a, b, c});
-    mesh.triangles.push_back({a + 8, c + 8, b + 8});
-  }
-  for (int i = 0; i < 8; ++i) {
-    const int j = (i + 1) % 8;
-    mesh.triangles.push_back({i, i + 8, j});
-    mesh.triangles.push_back({j, i + 8, j + 8});
-  }
-  return mesh;
-}
-
 inline Footprint BoxFootprint(std::uint32_t id, const std::string& color, double x0, double y0, double x1,
                               double y1, double height_m) {
   Footprint footprint;
@@ -41,6 +20,55 @@ inline Footprint BoxFootprint(std::uint32_t id, const std::string& color, double
   footprint.height_std_m = 0.01;
   footprint.captures = {1};
   return footprint;
+}
+
+/// A level picture of the arch from the south and one from straight above, plain grey.
+inline std::vector<Observation> ArchObservations() {
+  const Intrinsics camera{640, 480, 425.0, 425.0, 319.5, 239.5, {}};
+  std::vector<Observation> observations(2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    Image& image = observations[i].image;
+    image.capture_id = static_cast<std::uint32_t>(i + 1);
+    image.bgr = cv::Mat3b(480, 640, cv::Vec3b(150, 150, 150));
+    image.seen = {0, 0, 640, 480};
+    image.has_trusted_pose = true;
+    image.view.intrinsics = image.taken = camera;
+    observations[i].mask.label = cv::Mat1b(480, 640, uchar{0});
+  }
+  observations[0].image.name = "overview.jpg";
+  observations[0].image.purpose = Purpose::kOverview;
+  observations[0].image.view.map_from_camera = {CameraAttitude(1.57, -1.5707963), {3.0, 1.0, 9.0}};
+  observations[1].image.name = "wall.jpg";
+  observations[1].image.purpose = Purpose::kWall;
+  observations[1].image.view.map_from_camera = {CameraAttitude(1.5707963, 0.0), {1.5, -4.5, 1.2}};
+  return observations;
+}
+
+/// Its walls were read from the second of these pictures, its outline was drawn from the first.
+inline Solid ArchSolid(Footprint footprint, const std::vector<Observation>& observations) {
+  footprint.silhouettes = {{1, observations[0].image.view, {}}};
+  std::vector<Facade> walls(4);
+  for (int side = 0; side < 4; ++side) {
+    Facade& wall = walls[static_cast<std::size_t>(side)];
+    wall.object_id = footprint.object_id;
+    wall.side = side;
+    wall.was_seen = true;
+    wall.capture_id = 2;
+    if (side % 2 != 0) continue;
+    Opening mouth;
+    mouth.ring_in_wall_m = {{1.2, 0}, {2.8, 0}, {2.8, 1.4}, {1.2, 1.4}};
+    mouth.is_through = mouth.shows_background = true;
+    wall.openings = {mouth};
+  }
+  std::vector<Sight> sights(2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Image& image = observations[i].image;
+    sights[i].capture_id = image.capture_id;
+    sights[i].view = image.view;
+    sights[i].taken = image.taken;
+    sights[i].shown = image.seen;
+  }
+  return FindFacePictures({RaiseSolid(footprint, walls).value()}, walls, sights).front();
 }
 
 inline Understanding ArchUnderstanding() {
@@ -60,20 +88,7 @@ inline Understanding ArchUnderstanding() {
   all.scene.objects = {arch, neighbour};
   all.matches = {arch.match};
 
-  Solid solid;
-  solid.footprint = arch.footprint;
-  solid.mesh = ArchMesh();
-  solid.volume_m3 = 1.5 * (4 * 2.3 - 1.6 * 1.4);
-  SolidOpening south;
-  south.wall = 0;
-  south.polygon_in_map_m = {{1.2, 0, 0}, {2.8, 0, 0}, {2.8, 0, 1.4}, {1.2, 0, 1.4}};
-  south.is_through = true;
-  SolidOpening north;
-  north.wall = 2;
-  north.polygon_in_map_m = {{2.8, 1.5, 0}, {1.2, 1.5, 0}, {1.2, 1.5, 1.4}, {2.8, 1.5, 1.4}};
-  north.is_through = true;
-  solid.openings = {south, north};
-  all.scene.solids = {solid};
+  all.scene.solids = {ArchSolid(arch.footprint, ArchObservations())};
 
   auto octree = std::make_shared<octomap::OcTree>(0.1);
   for (double z = 0.05; z < 1.5; z += 0.1) {
@@ -103,28 +118,6 @@ inline Understanding ArchUnderstanding() {
   decision.evidence = {2};
   all.decisions = {decision};
   return all;
-}
-
-/// A level picture of the arch from the south and one from straight above, plain grey.
-inline std::vector<Observation> ArchObservations() {
-  const Intrinsics camera{640, 480, 425.0, 425.0, 319.5, 239.5, {}};
-  std::vector<Observation> observations(2);
-  for (std::size_t i = 0; i < 2; ++i) {
-    Image& image = observations[i].image;
-    image.capture_id = static_cast<std::uint32_t>(i + 1);
-    image.bgr = cv::Mat3b(480, 640, cv::Vec3b(150, 150, 150));
-    image.seen = {0, 0, 640, 480};
-    image.has_trusted_pose = true;
-    image.view.intrinsics = camera;
-    observations[i].mask.label = cv::Mat1b(480, 640, uchar{0});
-  }
-  observations[0].image.name = "overview.jpg";
-  observations[0].image.purpose = Purpose::kOverview;
-  observations[0].image.view.map_from_camera = {CameraAttitude(1.57, -1.5707963), {3.0, 1.0, 9.0}};
-  observations[1].image.name = "wall.jpg";
-  observations[1].image.purpose = Purpose::kWall;
-  observations[1].image.view.map_from_camera = {CameraAttitude(1.5707963, 0.0), {1.5, -4.5, 1.2}};
-  return observations;
 }
 
 }  // namespace soffit::test

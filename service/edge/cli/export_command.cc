@@ -73,8 +73,8 @@ void RunExport(const ExportArguments& arguments) {
   const FoundScene& scene = found.value();
   const std::vector<GisLayer> layers =
       DescribeLayers(*scene.understanding, scene.pictures, scene.track_in_map_m);
-  const Status written =
-      WriteExport(arguments.out, arguments.format, {*scene.understanding, layers, scene.origin});
+  const Status written = WriteExport(arguments.out, arguments.format,
+                                     {*scene.understanding, scene.pictures, layers, scene.origin});
   if (!written.ok()) return fail(written.error());
   std::cout << Say(arguments.out.string(), ": revision ", scene.understanding->scene.revision,
                    scene.origin ? "" : ", where the map lies on Earth is not known")

@@ -10,8 +10,6 @@
 
 namespace soffit {
 
-using Ring3 = std::vector<Eigen::Vector3d>;
-
 Ring3 Lift(const Ring& ring, double height_m);
 
 /// The wall over side `side` from the ground to `height_m`, counter-clockwise seen from outside of the ring.

@@ -54,7 +54,7 @@ const std::vector<Writer>& Writers() {
        }},
       {{"cityjson", "CityJSON 2.0: closed LoD 3 solids with openings; in UTM when the origin is known"},
        [](const fs::path& file, const ExportedScene& s) {
-         return WriteFile(file, ToCityJson(s.understanding.scene, s.origin));
+         return WriteFile(file, ToCityJson(s.understanding.scene, s.pictures, s.origin));
        }},
       {{"gpkg", "GeoPackage: layers with styles for QGIS"},
        [](const fs::path& file, const ExportedScene& s) {

@@ -15,6 +15,7 @@ namespace soffit {
 /// What of one revision of a scene other programs are given.
 struct ExportedScene {
   const Understanding& understanding;
+  const std::vector<TakenPicture>& pictures;
   const std::vector<GisLayer>& layers;
   const std::optional<GeodeticOrigin>& origin;  ///< Of the map.
 };

@@ -11,8 +11,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kUnit_m = 1e-4;      // Of the integer coordinates.
-constexpr double kLevelNormal = 0.5;  // Surfaces steeper than 60 degrees are walls.
+using PictureNames = std::map<std::uint32_t, std::string>;
+
+constexpr double kUnit_m = 1e-4;  // Of the integer coordinates.
+
+/// Hundredths are enough of pixels.
+double Round(double value) { return std::round(100.0 * value) / 100.0; }
 
 /// The one list of vertices that all objects share, none of them twice.
 class Vertices {
@@ -57,27 +61,6 @@ class Vertices {
   Json list_ = Json::array();
 };
 
-enum Surface { kRoof, kGround, kWall, kCeiling, kFloor };
-
-Json SurfaceTypes() {
-  return Json::array({{{"type", "RoofSurface"}},
-                      {{"type", "GroundSurface"}},
-                      {{"type", "WallSurface"}},
-                      {{"type", "OuterCeilingSurface"}},
-                      {{"type", "OuterFloorSurface"}}});
-}
-
-Surface Classify(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                 const Footprint& footprint) {
-  const double height_m = footprint.height_m;
-  const double eaves_m = footprint.levels.empty() ? height_m : footprint.levels.front().height_m;
-  const double up = (b - a).cross(c - a).normalized().z();
-  const double z = (a.z() + b.z() + c.z()) / 3.0;
-  if (up > kLevelNormal) return z > 0.98 * eaves_m ? kRoof : kFloor;
-  if (up < -kLevelNormal) return z < 0.02 * height_m ? kGround : kCeiling;
-  return kWall;
-}
-
 Json DescribeOpening(const SolidOpening& opening) {
   return {{"type", opening.is_through ? "ClosureSurface" : "Window"},
           {"through", opening.is_through},
@@ -85,61 +68,56 @@ Json DescribeOpening(const SolidOpening& opening) {
           {"depth_m", opening.depth_m}};
 }
 
-/// Whether a triangle is the back of a recess: as the opening lies, as deep as it is, and within it.
-bool IsBackOf(const SolidOpening& opening, const std::array<Eigen::Vector3d, 3>& triangle) {
-  const auto& ring = opening.polygon_in_map_m;
-  if (opening.is_through || ring.size() < 3) return false;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // M. Newell's, of the whole ring.
-  for (std::size_t i = 0; i < ring.size(); ++i) normal += ring[i].cross(ring[(i + 1) % ring.size()]);
-  normal.normalize();
-  const Eigen::Vector3d facing = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
-  if (!(facing.dot(normal) > 0.99)) return false;
-  const Eigen::Vector3d across = normal.unitOrthogonal();
-  const Eigen::Vector3d along = normal.cross(across);
-  const auto in_plane = [&](const Eigen::Vector3d& p) {
-    return Eigen::Vector2d(p.dot(across), p.dot(along));
+/// As rings of pixels, the outer one first.
+Json DescribePixels(const Polygon& outline_px) {
+  const auto corners = [](const Ring& ring) {
+    Json list = Json::array();
+    for (const Eigen::Vector2d& p : ring) list.push_back({Round(p.x()), Round(p.y())});
+    return list;
   };
-  Ring outline;
-  for (const Eigen::Vector3d& p : ring) outline.push_back(in_plane(p));
-  const Eigen::Vector3d center = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
-  constexpr double kSame_m = 0.01;
-  for (const Eigen::Vector3d& corner : triangle) {
-    const Eigen::Vector3d within = center + 0.98 * (corner - center);
-    if (!Contains(outline, in_plane(within))) return false;
-    if (std::abs((ring.front() - corner).dot(normal) - opening.depth_m) > kSame_m) return false;
-  }
-  return true;
+  Json rings = Json::array({corners(outline_px.outer)});
+  for (const Ring& hole : outline_px.holes) rings.push_back(corners(hole));
+  return rings;
 }
 
-/// @param has_face  Is told which openings are faces of the solid.
-Json SolidGeometry(const Solid& solid, Vertices& vertices, std::vector<bool>& has_face) {
-  const auto& points = solid.mesh.vertices_in_map_m;
+Json DescribeFace(const Face& face, const Solid& solid, const PictureNames& pictures) {
+  Json surface = {{"type", ToString(face.kind)}};
+  if (face.kind == FaceKind::kBack)
+    surface.update(DescribeOpening(solid.openings.at(static_cast<std::size_t>(face.opening))));
+  else if (face.wall >= 0)
+    surface["wall"] = face.wall;
+  if (!face.picture) return surface;
+  const auto name = pictures.find(face.picture->capture_id);
+  if (name != pictures.end()) surface["picture"] = name->second;
+  surface["capture"] = face.picture->capture_id;
+  surface["picture_outline_px"] = DescribePixels(face.picture->outline_px);
+  surface["picture_shown_ratio"] = Round(face.picture->shown_ratio);
+  return surface;
+}
+
+Json SolidGeometry(const Solid& solid, const PictureNames& pictures, Vertices& vertices) {
   std::vector<int> index;
-  for (const Eigen::Vector3d& point : points) index.push_back(vertices.Add(point));
+  for (const Eigen::Vector3d& point : solid.mesh.vertices_in_map_m) index.push_back(vertices.Add(point));
   Json shell = Json::array();
-  Json values = Json::array();
-  Json surfaces = SurfaceTypes();
-  std::map<std::size_t, Json> windows;  // Of an opening: the number of its surface.
   for (const auto& triangle : solid.mesh.triangles) {
     Json ring = Json::array();
     for (const int corner : triangle) ring.push_back(index.at(static_cast<std::size_t>(corner)));
     shell.push_back(Json::array({ring}));
-    const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
-      return points[static_cast<std::size_t>(triangle[i])];
-    };
-    Json value = Classify(at(0), at(1), at(2), solid.footprint);
-    for (std::size_t i = 0; i < solid.openings.size() && value == kWall; ++i) {
-      if (!IsBackOf(solid.openings[i], {at(0), at(1), at(2)})) continue;
-      if (!has_face[i]) {
-        has_face[i] = true;
-        windows[i] = surfaces.size();
-        surfaces[kWall]["children"].push_back(surfaces.size());
-        surfaces.push_back(DescribeOpening(solid.openings[i]));
-        surfaces.back()["parent"] = static_cast<int>(kWall);
-      }
-      value = windows[i];
-    }
-    values.push_back(value);
+  }
+  Json surfaces = Json::array();
+  std::vector<std::size_t> values(solid.mesh.triangles.size());
+  std::map<int, std::size_t> walls;  // The surface of the wall that a recess is in.
+  for (std::size_t i = 0; i < solid.faces.size(); ++i) {
+    const Face& face = solid.faces[i];
+    for (const std::size_t triangle : face.triangles) values.at(triangle) = i;
+    if (face.kind == FaceKind::kWall && face.opening < 0) walls.try_emplace(face.wall, i);
+    surfaces.push_back(DescribeFace(face, solid, pictures));
+  }
+  for (std::size_t i = 0; i < solid.faces.size(); ++i) {
+    const auto wall = walls.find(solid.faces[i].wall);
+    if (solid.faces[i].kind != FaceKind::kBack || wall == walls.end()) continue;
+    surfaces[i]["parent"] = wall->second;
+    surfaces[wall->second]["children"].push_back(i);
   }
   return {{"type", "Solid"},
           {"lod", "3"},
@@ -148,7 +126,11 @@ Json SolidGeometry(const Solid& solid, Vertices& vertices, std::vector<bool>& ha
 }
 
 /// Of the openings that are no faces of the solid; null when there are none.
-Json OpeningGeometry(const Solid& solid, Vertices& vertices, const std::vector<bool>& has_face) {
+Json OpeningGeometry(const Solid& solid, Vertices& vertices) {
+  std::vector<bool> has_face(solid.openings.size(), false);
+  for (const Face& face : solid.faces) {
+    if (face.kind == FaceKind::kBack) has_face.at(static_cast<std::size_t>(face.opening)) = true;
+  }
   Json boundaries = Json::array();
   Json surfaces = Json::array();
   Json values = Json::array();
@@ -179,7 +161,10 @@ Json FootprintGeometry(const Footprint& footprint, Vertices& vertices) {
 
 }  // namespace
 
-std::string ToCityJson(const Scene& scene, const std::optional<GeodeticOrigin>& origin) {
+std::string ToCityJson(const Scene& scene, const std::vector<TakenPicture>& pictures,
+                       const std::optional<GeodeticOrigin>& origin) {
+  PictureNames names;
+  for (const TakenPicture& picture : pictures) names[picture.capture_id] = picture.file;
   Vertices vertices(origin);
   Json objects = Json::object();
   for (const SceneObject& object : scene.objects) {
@@ -187,15 +172,15 @@ std::string ToCityJson(const Scene& scene, const std::optional<GeodeticOrigin>& 
     Json geometry = Json::array({FootprintGeometry(footprint, vertices)});
     for (const Solid& solid : scene.solids) {
       if (solid.footprint.object_id != footprint.object_id) continue;
-      std::vector<bool> has_face(solid.openings.size(), false);
-      geometry.push_back(SolidGeometry(solid, vertices, has_face));
-      if (Json rest = OpeningGeometry(solid, vertices, has_face); !rest.is_null()) geometry.push_back(rest);
+      geometry.push_back(SolidGeometry(solid, names, vertices));
+      if (Json rest = OpeningGeometry(solid, vertices); !rest.is_null()) geometry.push_back(rest);
     }
+    Json attributes = {
+        {"color", footprint.color}, {"height_m", footprint.height_m}, {"matched", object.is_matched}};
+    for (const Level& level : footprint.levels)
+      attributes["levels"].push_back({{"height_m", level.height_m}, {"inset_m", level.inset_m}});
     objects[std::to_string(footprint.object_id)] = {
-        {"type", "Building"},
-        {"attributes",
-         {{"color", footprint.color}, {"height_m", footprint.height_m}, {"matched", object.is_matched}}},
-        {"geometry", geometry}};
+        {"type", "Building"}, {"attributes", attributes}, {"geometry", geometry}};
   }
   Json city = {{"type", "CityJSON"},
                {"version", "2.0"},

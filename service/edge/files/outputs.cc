@@ -18,7 +18,8 @@ Status WriteOutputs(const std::filesystem::path& folder, const Analysis& analysi
   const auto& [observations, understanding] = MoveMap(analysis, flight.map_origin_m);
   std::vector<Eigen::Vector3d> track = flight.track_in_map_m;
   for (Eigen::Vector3d& point : track) point += flight.map_origin_m;
-  status = WriteFile(folder / "scene.city.json", ToCityJson(understanding.scene, flight.origin));
+  status = WriteFile(folder / "scene.city.json",
+                     ToCityJson(understanding.scene, PicturesOf(observations), flight.origin));
   if (!status.ok()) return status;
   status = WriteGeoPackage(folder / "scene.gpkg",
                            DescribeLayers(understanding, PicturesOf(observations), track), flight.origin);

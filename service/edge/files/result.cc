@@ -68,8 +68,25 @@ Json ObjectToJson(const SceneObject& object) {
   return json;
 }
 
+Json FaceToJson(const Face& face) {
+  Json json = {{"surface", ToString(face.kind)},
+               {"wall", face.wall},
+               {"triangles", face.triangles},
+               {"picture", nullptr}};
+  if (face.opening >= 0) json["opening"] = face.opening;
+  if (!face.picture) return json;
+  Json holes = Json::array();
+  for (const Ring& hole : face.picture->outline_px.holes) holes.push_back(PointsToJson(hole));
+  json["picture"] = {{"capture", face.picture->capture_id},
+                     {"polygon_px", PointsToJson(face.picture->outline_px.outer)},
+                     {"holes_px", holes},
+                     {"shown_ratio", face.picture->shown_ratio}};
+  return json;
+}
+
 Json ModelToJson(const Solid& solid) {
-  Json openings = Json::array();
+  Json openings = Json::array(), faces = Json::array();
+  for (const Face& face : solid.faces) faces.push_back(FaceToJson(face));
   for (const SolidOpening& opening : solid.openings) {
     openings.push_back({{"wall", opening.wall},
                         {"polygon", PointsToJson(opening.polygon_in_map_m)},
@@ -80,7 +97,8 @@ Json ModelToJson(const Solid& solid) {
   return {{"object", IdOf(solid.footprint.object_id)},
           {"mesh", MeshFile(solid)},
           {"volume_m3", solid.volume_m3},
-          {"openings", openings}};
+          {"openings", openings},
+          {"faces", faces}};
 }
 
 Json ViewpointToJson(const Viewpoint& viewpoint) {

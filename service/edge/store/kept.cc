@@ -137,12 +137,29 @@ void Record(Io& io, RecordOf<Io, Passage>& v) {
 }
 
 template <class Io>
+void Record(Io& io, RecordOf<Io, FacePicture>& v) {
+  io("capture_id", v.capture_id);
+  io("outline_px", v.outline_px);
+  io("shown_ratio", v.shown_ratio);
+}
+
+template <class Io>
+void Record(Io& io, RecordOf<Io, Face>& v) {
+  io("kind", v.kind, UpTo{FaceKind::kBack});
+  io("wall", v.wall);
+  io("opening", v.opening);
+  io("triangles", v.triangles);
+  io("picture", v.picture);
+}
+
+template <class Io>
 void Record(Io& io, RecordOf<Io, Solid>& v) {
   io("footprint", v.footprint);
   io("mesh", v.mesh);
   io("volume_m3", v.volume_m3);
   io("openings", v.openings);
   io("passages", v.passages);
+  io("faces", v.faces);
   io("unseen_walls", v.unseen_walls);
 }
 

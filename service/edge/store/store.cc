@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kVersion[] = "soffit-store/1";
+constexpr char kVersion[] = "soffit-store/2";
 constexpr char kLocal[] = "_local";  ///< Ends the names of layers in the map's own metres.
 
 bool IsDatabase(const std::string& place) { return place.starts_with("PG:"); }

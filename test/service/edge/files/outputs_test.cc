@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <sstream>
 
 #include "service/edge/files/city_json.h"
@@ -110,7 +111,9 @@ TEST_F(OutputsTest, WriteResultWritesTheSameMeshAndOctree) {
     if (line[0] == 'v' && words >> p.x() >> p.y() >> p.z()) vertices.push_back(p);
     if (line[0] == 'f' && words >> t[0] >> t[1] >> t[2]) triangles.push_back({t[0] - 1, t[1] - 1, t[2] - 1});
   }
-  EXPECT_EQ(vertices, all_.scene.solids[0].mesh.vertices_in_map_m);
+  const std::vector<Eigen::Vector3d>& expected = all_.scene.solids[0].mesh.vertices_in_map_m;
+  ASSERT_EQ(vertices.size(), expected.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) EXPECT_LT((vertices[i] - expected[i]).norm(), 1e-9);
   EXPECT_EQ(triangles, all_.scene.solids[0].mesh.triangles);
   EXPECT_TRUE(IsClosed(triangles));
 
@@ -139,7 +142,7 @@ TEST_F(OutputsTest, WriteResultSaysWhereItCannotWrite) {
 }
 
 TEST_F(OutputsTest, CityJsonSolidIsClosedAndItsSoffitIsACeiling) {
-  const json city = json::parse(ToCityJson(all_.scene, std::nullopt));
+  const json city = json::parse(ToCityJson(all_.scene, {}, std::nullopt));
   EXPECT_EQ(city["version"], "2.0");
   const json& building = city["CityObjects"]["1"];
   const json& solid = building["geometry"][1];
@@ -164,6 +167,85 @@ TEST_F(OutputsTest, CityJsonSolidIsClosedAndItsSoffitIsACeiling) {
   EXPECT_NEAR(lowest_m.at("GroundSurface"), 0.0, 1e-4);
   EXPECT_EQ(building["geometry"][2]["semantics"]["surfaces"][0]["type"], "ClosureSurface");
   EXPECT_EQ(city["CityObjects"]["2"]["geometry"].size(), 1U);
+}
+
+/// The kinds of the faces that came from each picture.
+std::map<std::uint32_t, std::set<std::string>> KindsByCapture(const json& faces, const std::string& kind) {
+  std::map<std::uint32_t, std::set<std::string>> kinds;
+  for (const json& face : faces) {
+    const json& place = face.contains("picture") && face["picture"].is_object() ? face["picture"] : face;
+    kinds[place.value("capture", 0U)].insert(face[kind].get<std::string>());
+  }
+  return kinds;
+}
+
+TEST_F(OutputsTest, EachFaceTellsWhereInWhichPictureItIs) {
+  ASSERT_TRUE(WriteResult(folder_, all_, observations_).ok());
+  const json model = Result()["models"][0];
+  const auto kinds = KindsByCapture(model["faces"], "surface");
+  EXPECT_THAT(kinds.at(1), testing::Contains("RoofSurface"));
+  EXPECT_THAT(kinds.at(2), testing::UnorderedElementsAre("WallSurface", "OuterCeilingSurface"));
+  EXPECT_THAT(kinds.at(0), testing::Contains("GroundSurface"));
+  for (const json& face : model["faces"]) {
+    if (face["surface"] != "WallSurface" || face["wall"] != 0 || face.contains("opening")) continue;
+    EXPECT_GT(face["picture"]["shown_ratio"], 0.9);
+    EXPECT_GE(face["picture"]["polygon_px"].size(), 8U);  // On both sides of the passage and above it.
+    EXPECT_FALSE(face["triangles"].empty());
+  }
+}
+
+TEST_F(OutputsTest, CityJsonTellsThePictureOfASurface) {
+  const json city = json::parse(ToCityJson(all_.scene, PicturesOf(observations_), std::nullopt));
+  const json surfaces = city["CityObjects"]["1"]["geometry"][1]["semantics"]["surfaces"];
+  EXPECT_THAT(KindsByCapture(surfaces, "type").at(1), testing::Contains("RoofSurface"));
+  for (const json& surface : surfaces) {
+    EXPECT_EQ(surface.contains("picture"), surface.contains("picture_outline_px"));
+    if (surface["type"] != "RoofSurface") continue;
+    EXPECT_EQ(surface["picture"], "overview.jpg");
+    EXPECT_GE(surface["picture_outline_px"][0].size(), 4U);
+    EXPECT_NEAR(surface["picture_shown_ratio"].get<double>(), 1.0, 0.01);
+  }
+}
+
+/// A building of two heights, whose east wall leans inward.
+Solid SteppedSolid() {
+  Footprint footprint = test::BoxFootprint(3, "green", 0, 0, 6, 5, 4.0);
+  footprint.levels = {{2.0, {0, 0.2, 0, 0}}, {2.0, {0, 0.2, 1.5, 0}}, {4.0, {0, 0.2, 1.5, 0}}};
+  return RaiseSolid(footprint, {}).value();
+}
+
+TEST_F(OutputsTest, WriteResultTellsTheLevelsOfABuilding) {
+  const Solid stepped = SteppedSolid();
+  all_.scene.objects[1].footprint = stepped.footprint;
+  all_.scene.solids.push_back(stepped);
+  ASSERT_TRUE(WriteResult(folder_, all_, observations_).ok());
+  const json result = Result();
+  EXPECT_FALSE(result["objects"][0].contains("levels"));
+  EXPECT_EQ(result["objects"][1]["levels"], json::parse(R"([
+      {"height_m": 2.0, "inset_m": [0.0, 0.2, 0.0, 0.0]},
+      {"height_m": 2.0, "inset_m": [0.0, 0.2, 1.5, 0.0]},
+      {"height_m": 4.0, "inset_m": [0.0, 0.2, 1.5, 0.0]}])"));
+  EXPECT_NEAR(result["models"][1]["volume_m3"].get<double>(), stepped.volume_m3, 1e-9);
+}
+
+TEST_F(OutputsTest, CityJsonTellsTheLevelsOfABuildingAndItsTerraceAsARoof) {
+  const Solid stepped = SteppedSolid();
+  all_.scene.objects[1].footprint = stepped.footprint;
+  all_.scene.solids = {stepped};
+  const json city = json::parse(ToCityJson(all_.scene, {}, std::nullopt));
+  const json& building = city["CityObjects"]["3"];
+  EXPECT_EQ(building["attributes"]["levels"].size(), 3U);
+  EXPECT_EQ(building["attributes"]["levels"][1]["inset_m"], json::parse("[0.0, 0.2, 1.5, 0.0]"));
+  EXPECT_FALSE(city["CityObjects"]["1"]["attributes"].contains("levels"));
+  const json& solid = building["geometry"][1];
+  std::set<std::int64_t> roof_heights;
+  for (std::size_t i = 0; i < solid["boundaries"][0].size(); ++i) {
+    const std::size_t surface = solid["semantics"]["values"][0][i];
+    if (solid["semantics"]["surfaces"][surface]["type"] != "RoofSurface") continue;
+    for (const int corner : solid["boundaries"][0][i][0])
+      roof_heights.insert(city["vertices"][static_cast<std::size_t>(corner)][2].get<std::int64_t>());
+  }
+  EXPECT_THAT(roof_heights, testing::ElementsAre(20000, 40000));
 }
 
 TEST_F(OutputsTest, GeoPackageHoldsAllLayers) {

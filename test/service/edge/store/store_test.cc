@@ -159,6 +159,43 @@ using StoreTest = StoreFolder;
 
 TEST_F(StoreTest, KeepsEverythingInAGeoPackage) { KeepsEverything(place_); }
 
+TEST_F(StoreTest, KeepsLevelsBendsAndThePicturesOfFaces) {
+  auto all = std::make_shared<Understanding>(test::ArchUnderstanding());
+  Footprint footprint = test::BoxFootprint(2, "blue", 0, 0, 6, 5, 4.0);
+  footprint.levels = {{2.0, {0, 0.2, 0, 0}}, {2.0, {0, 0.2, 1.5, 0}}, {4.0, {0, 0.2, 1.5, 0}}};
+  all->scene.objects[1].footprint = footprint;
+  all->scene.solids.push_back(RaiseSolid(footprint, {}).value());
+  all->decisions[0].corridor->bends_in_map_m = {{2.0, 0.7, 0.7}};
+  SceneSnapshot snapshot = SomeScene(5, 1);
+  snapshot.understanding = all;
+  Store store = OpenOrDie(place_);
+  store.Begin();
+  store.PutMission(WriteMission(SomeMission(5, 1)));
+  store.AddScene(snapshot, std::nullopt);
+  store.Commit();
+  const std::vector<KeptRun> runs = store.ReadNewest();
+  ASSERT_THAT(runs, SizeIs(1));
+  const Understanding& kept = *runs[0].scenes.at(0)->understanding;
+  for (const Footprint& read : {kept.scene.objects[1].footprint, kept.scene.solids[1].footprint}) {
+    ASSERT_THAT(read.levels, SizeIs(3));
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(read.levels[i].height_m, footprint.levels[i].height_m);
+      EXPECT_EQ(read.levels[i].inset_m, footprint.levels[i].inset_m);
+    }
+  }
+  EXPECT_EQ(kept.decisions[0].corridor->bends_in_map_m, all->decisions[0].corridor->bends_in_map_m);
+  const std::vector<Face>&faces = all->scene.solids[0].faces, &read = kept.scene.solids[0].faces;
+  ASSERT_THAT(read, SizeIs(faces.size()));
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    EXPECT_EQ(read[i].kind, faces[i].kind);
+    EXPECT_EQ(read[i].triangles, faces[i].triangles);
+    ASSERT_EQ(read[i].picture.has_value(), faces[i].picture.has_value());
+    if (!faces[i].picture) continue;
+    EXPECT_EQ(read[i].picture->capture_id, faces[i].picture->capture_id);
+    EXPECT_EQ(read[i].picture->outline_px.outer, faces[i].picture->outline_px.outer);
+  }
+}
+
 TEST_F(StoreTest, ShowsTheNewestSceneWhereItIsOnEarth) {
   Store store = OpenOrDie(place_);
   store.Begin();
