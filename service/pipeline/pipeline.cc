@@ -18,6 +18,10 @@ void Extract(Image image, const PipelineOptions& options, Observation& seen) {
   seen.image = std::move(image);
   seen.mask = SegmentBuildings(seen.image, options.mask);
   seen.outlines = TraceOutlines(seen.mask, seen.image.seen, options.outline);
+  if (!IsFromAbove(seen.image.purpose)) return;
+  JudgedOutlines judged = JudgeOutlines(std::move(seen.outlines), seen.image);
+  seen.outlines = std::move(judged.buildings);
+  seen.refused = std::move(judged.refused);
 }
 
 struct HorizontalViews {

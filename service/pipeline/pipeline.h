@@ -9,6 +9,7 @@
 #include "service/image/image.h"
 #include "service/mask/mask.h"
 #include "service/match/match.h"
+#include "service/outline/judge.h"
 #include "service/outline/outline.h"
 #include "service/scene/scene.h"
 #include "service/solid/solid.h"
@@ -49,8 +50,9 @@ struct PipelineOptions {
 struct Observation {
   Image image;
   Mask mask;
-  std::vector<Outline> outlines;
-  std::vector<Footprint> footprints;  ///< Pictures from above.
+  std::vector<Outline> outlines;        ///< From above: what may be buildings.
+  std::vector<RefusedOutline> refused;  ///< From above: what has their colours only.
+  std::vector<Footprint> footprints;    ///< Pictures from above.
   Sight sight;
 };
 Result<Observation> Observe(const Capture& capture, const PipelineOptions& options);

@@ -14,6 +14,7 @@
 #include "service/mask/mask.h"
 #include "service/mask/median.h"
 #include "service/match/match.h"
+#include "service/outline/judge.h"
 #include "service/outline/outline.h"
 #include "test/bench/overview.h"
 
@@ -97,6 +98,10 @@ void TracesOutlines(benchmark::State& state) {
   Run(state, [](const Stages& stages) { return TraceOutlines(stages.mask, stages.image.seen, {}); });
 }
 
+void JudgesOutlines(benchmark::State& state) {
+  Run(state, [](const Stages& stages) { return JudgeOutlines(stages.outlines, stages.image); });
+}
+
 void TracesFootprints(benchmark::State& state) {
   Run(state, [](const Stages& stages) { return TraceFootprints(stages.image, stages.outlines, {}); });
 }
@@ -104,7 +109,8 @@ void TracesFootprints(benchmark::State& state) {
 std::vector<Footprint> SeeFootprints(const Capture& capture) {
   const Result<Image> image = DecodeImage(capture, {});
   const Mask mask = SegmentBuildings(image.value(), {});
-  return TraceFootprints(image.value(), TraceOutlines(mask, image.value().seen, {}), {});
+  const JudgedOutlines judged = JudgeOutlines(TraceOutlines(mask, image.value().seen, {}), image.value());
+  return TraceFootprints(image.value(), judged.buildings, {});
 }
 
 void FromPictureToFootprints(benchmark::State& state) {
@@ -155,6 +161,7 @@ BENCHMARK(FiltersMedian)->Apply(AtBothSizes);
 BENCHMARK(FiltersMedianWithOpenCv)->Apply(AtBothSizes);
 BENCHMARK(SegmentsBuildings)->Apply(AtBothSizes);
 BENCHMARK(TracesOutlines)->Apply(AtBothSizes);
+BENCHMARK(JudgesOutlines)->Apply(AtBothSizes);
 BENCHMARK(TracesFootprints)->Apply(AtBothSizes);
 BENCHMARK(FromPictureToFootprints)->Apply(AtBothSizes);
 BENCHMARK(FromPictureThroughLensToFootprints)->Apply(AtBothSizes);

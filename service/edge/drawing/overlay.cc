@@ -11,6 +11,7 @@ namespace soffit {
 namespace {
 
 const Stroke kContour{ink::kWhite, 1.0, true};
+const Stroke kNoBuilding{ink::kOrange, 1.0, true};
 const Stroke kBuilding{ink::kSky, 2.0, false};
 const Stroke kWanted{ink::kYellow, 3.0, false};
 const Stroke kThrough{ink::kGreen, 3.0, false};
@@ -20,9 +21,10 @@ const Stroke kRefused{ink::kVermilion, 3.0, true};
 
 const std::vector<LegendEntry>& Legend() {
   static const std::vector<LegendEntry> legend = {
-      {kContour, "outline of the colour"}, {kBuilding, "building of the map"}, {kWanted, "wanted building"},
-      {kThrough, "opening, goes through"}, {kRecess, "opening, a recess"},     {kClear, "corridor, CLEAR"},
-      {kRefused, "corridor, refused"}};
+      {kContour, "outline of the colour"}, {kNoBuilding, "outline refused"},
+      {kBuilding, "building of the map"},  {kWanted, "wanted building"},
+      {kThrough, "opening, goes through"}, {kRecess, "opening, a recess"},
+      {kClear, "corridor, CLEAR"},         {kRefused, "corridor, refused"}};
   return legend;
 }
 
@@ -32,7 +34,8 @@ class Overlay {
       : seen_(seen), all_(all), view_(seen.image.view), canvas_(seen.image.bgr) {}
 
   Drawing Draw() {
-    for (const Outline& outline : seen_.outlines) DrawOutline(outline);
+    for (const RefusedOutline& refused : seen_.refused) DrawRefused(refused);
+    for (const Outline& outline : seen_.outlines) DrawOutline(outline, kContour);
     for (const SceneObject& object : all_.scene.objects) DrawObject(object);
     for (const Solid& solid : all_.scene.solids) DrawOpenings(solid);
     for (const ClearanceDecision& decision : ChooseShownDecisions(all_.decisions)) DrawCorridor(decision);
@@ -49,9 +52,14 @@ class Overlay {
     return PolygonNormal(ring).dot(view_.map_from_camera.translation_m - ring.front()) > 0.0;
   }
 
-  void DrawOutline(const Outline& outline) {
-    canvas_.DrawLine(outline.polygon_px.outer, kContour, true);
-    for (const Ring& hole : outline.polygon_px.holes) canvas_.DrawLine(hole, kContour, true);
+  void DrawOutline(const Outline& outline, const Stroke& stroke) {
+    canvas_.DrawLine(outline.polygon_px.outer, stroke, true);
+    for (const Ring& hole : outline.polygon_px.holes) canvas_.DrawLine(hole, stroke, true);
+  }
+
+  void DrawRefused(const RefusedOutline& refused) {
+    DrawOutline(refused.outline, kNoBuilding);
+    canvas_.DrawLabel(Centroid(refused.outline.polygon_px), refused.reason, kNoBuilding.color, 0.6);
   }
 
   void DrawObject(const SceneObject& object) {

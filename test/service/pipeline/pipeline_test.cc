@@ -31,6 +31,19 @@ Capture Overview(const std::vector<std::pair<std::vector<cv::Point>, cv::Scalar>
   return capture;
 }
 
+using Shapes = std::vector<std::pair<std::vector<cv::Point>, cv::Scalar>>;
+
+/// The same from `east_px` pixels farther to the east.
+Observation SeenFromTheEast(int east_px, std::uint32_t capture_id, Shapes shapes) {
+  for (auto& [shape, color] : shapes) {
+    for (cv::Point& corner : shape) corner.x -= east_px;
+  }
+  Capture capture = Overview(shapes);
+  capture.capture_id = capture_id;
+  capture.map_from_camera.translation_m.x() = east_px * 9.0 / capture.intrinsics.fx_px;
+  return Observe(capture, {}).value();
+}
+
 const cv::Scalar kRed(40, 30, 200);
 
 /// An L that has no mirror symmetry, with its corner at (x, y).
@@ -68,6 +81,20 @@ TEST(Observe, GivesAnErrorWhenATopPictureDoesNotLookDown) {
   EXPECT_THAT(seen.error().message, HasSubstr("overview.png"));
 }
 
+TEST(Observe, TakesNoRaggedPatchForABuilding) {
+  std::vector<cv::Point> patch;
+  for (int i = 0; i < 80; ++i) {
+    const double radius_px = i % 2 == 0 ? 100.0 : 80.0 + 7.0 * (i % 3);
+    patch.emplace_back(300 + static_cast<int>(radius_px * std::cos(0.0785398 * i)),
+                       240 + static_cast<int>(radius_px * std::sin(0.0785398 * i)));
+  }
+  const Observation seen = Seen(Overview({{patch, kRed}})).front();
+  EXPECT_THAT(seen.outlines, IsEmpty());
+  EXPECT_THAT(seen.footprints, IsEmpty());
+  ASSERT_THAT(seen.refused, SizeIs(1));
+  EXPECT_THAT(seen.refused.front().reason, HasSubstr("ragged"));
+}
+
 TEST(Understand, MakesNoDecisionFromNothing) {
   const Understanding all = Understand({}, ReferenceOfL(), kVehicle, 3, {});
   EXPECT_THAT(all.decisions, IsEmpty());
@@ -86,6 +113,28 @@ TEST(Understand, MarksTheWantedBuildingAmongOthers) {
   const SceneObject& wanted = *std::find_if(all.scene.objects.begin(), all.scene.objects.end(), is_matched);
   EXPECT_EQ(wanted.footprint.polygon_in_map_m.outer.size(), 6U);
   EXPECT_LT(Centroid(wanted.footprint.polygon_in_map_m).x(), 0.0);
+}
+
+TEST(Understand, PutsSeveralOverviewsIntoOneMap) {
+  const std::vector<cv::Point> box = {{40, 120}, {140, 120}, {140, 200}, {40, 200}};
+  const Shapes shapes = {{L(860, 180), kRed}, {box, kRed}};
+  const Understanding all = Understand({SeenFromTheEast(0, 1, shapes), SeenFromTheEast(400, 2, shapes)},
+                                       ReferenceOfL(), kVehicle, 1, {});
+  ASSERT_THAT(all.scene.objects, SizeIs(2));
+  EXPECT_FALSE(all.scene.objects[0].is_matched);
+  EXPECT_TRUE(all.scene.objects[1].is_matched);
+  EXPECT_THAT(all.scene.objects[1].footprint.captures, ElementsAre(2));
+}
+
+TEST(Understand, RecognizesWhatOneOverviewCutsAndAnotherShowsWhole) {
+  const Shapes shapes = {{L(560, 180), kRed}};
+  const Observation cut = SeenFromTheEast(0, 1, shapes);
+  EXPECT_THAT(Understand({cut}, ReferenceOfL(), kVehicle, 1, {}).matches, IsEmpty());
+  const Understanding all =
+      Understand({cut, SeenFromTheEast(300, 2, shapes)}, ReferenceOfL(), kVehicle, 1, {});
+  ASSERT_THAT(all.scene.objects, SizeIs(1));
+  EXPECT_TRUE(all.scene.objects[0].is_matched);
+  EXPECT_FALSE(all.scene.objects[0].footprint.is_cut);
 }
 
 TEST(Understand, NeverClearsWhatWasOnlySeenFromAbove) {
