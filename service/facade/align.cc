@@ -413,7 +413,7 @@ void TakeViews(const std::vector<Shot>& shots, Alignment& alignment) {
   std::size_t next = 0;
   for (Sight& sight : alignment.sights) sight.view = shots[next++].view;
   for (Silhouette& silhouette : alignment.footprint.silhouettes) {
-    if (!silhouette.outline.is_cut) silhouette.view = shots[next++].view;
+    if (IsWhole(silhouette)) silhouette.view = shots[next++].view;
   }
 }
 
@@ -427,7 +427,7 @@ Alignment AlignSights(const Footprint& object, const std::vector<Mask>& masks,
   for (std::size_t i = 0; i < sights.size(); ++i)
     reported.push_back({sights[i].view, sights[i].view, OwnStructure(sights[i], masks[i], object.color)});
   for (const Silhouette& silhouette : object.silhouettes) {
-    if (!silhouette.outline.is_cut)
+    if (IsWhole(silhouette))
       reported.push_back({silhouette.view, silhouette.view, {}, &silhouette.outline});
   }
 

@@ -113,7 +113,7 @@ double ShareSeen(const Silhouette& silhouette, const Ring& region, double height
 bool IsUnderRoof(const Ring& dent, const std::vector<Silhouette>& silhouettes, double height_m) {
   constexpr double kMinShareOfRoof = 0.95;
   return std::all_of(silhouettes.begin(), silhouettes.end(), [&](const Silhouette& s) {
-    return s.outline.is_cut || ShareSeen(s, dent, height_m) >= kMinShareOfRoof;
+    return !IsWhole(s) || ShareSeen(s, dent, height_m) >= kMinShareOfRoof;
   });
 }
 
@@ -217,6 +217,20 @@ Ring CloseOpenings(Ring ring, const Silhouette& silhouette, const std::vector<Si
     }
   }
   return ClosePockets(ring, nadir, all, height_m);
+}
+
+Polygon Unite(const std::vector<Polygon>& polygons, double least_cell_m) {
+  Ring corners;
+  for (const Polygon& polygon : polygons)
+    corners.insert(corners.end(), polygon.outer.begin(), polygon.outer.end());
+  if (corners.empty()) return {};
+  Grid grid(corners, least_cell_m);
+  for (const Polygon& polygon : polygons) {
+    std::vector<Ring> rings = polygon.holes;
+    rings.push_back(polygon.outer);
+    grid.Fill(rings, 1);
+  }
+  return grid.Trace();
 }
 
 std::vector<double> HeightsOfUprightSides(const Silhouette& silhouette) {

@@ -24,6 +24,10 @@ Polygon Carve(const Silhouette& silhouette, double height_m);
 Ring CloseOpenings(Ring ring, const Silhouette& silhouette, const std::vector<Silhouette>& all,
                    double height_m);
 
+/// What any of the polygons covers, drawn on a grid as by Carve. Largest piece only; `outer` is empty when
+/// nothing is covered.
+Polygon Unite(const std::vector<Polygon>& polygons, double least_cell_m);
+
 /// The height of every side of the silhouette, taken for an upright edge from the ground to the roof, that
 /// runs radially from the point beneath the camera as such edges do. Others that happen to do so are among
 /// them.

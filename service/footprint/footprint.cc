@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "service/footprint/carve.h"
+#include "service/footprint/mark.h"
 #include "service/footprint/massing_fit.h"
 #include "shared/result/result.h"
 
@@ -37,7 +38,7 @@ double ExpectedError_m(const Silhouette& s) {
 const Silhouette& BestSilhouette(const std::vector<Silhouette>& silhouettes) {
   return *std::min_element(silhouettes.begin(), silhouettes.end(),
                            [](const Silhouette& a, const Silhouette& b) {
-                             if (a.outline.is_cut != b.outline.is_cut) return b.outline.is_cut;
+                             if (IsWhole(a) != IsWhole(b)) return IsWhole(a);
                              return ExpectedError_m(a) < ExpectedError_m(b);
                            });
 }
@@ -47,11 +48,36 @@ double PoseStd_m(const Silhouette& s) {
   return std::hypot(s.view.position_std_m, CameraHeight(s) * s.view.orientation_std_rad);
 }
 
-/// Draws the footprint as the best silhouette lies on the ground.
+/// One silhouette alone, drawn for a height: good enough to tell buildings apart.
+Polygon DrawAlone(const Silhouette& s, double height_m) {
+  const Polygon carved = height_m > 0.0 ? Carve(s, height_m) : Polygon{};
+  return carved.outer.empty() ? ProjectOutline(s, height_m) : carved;
+}
+
+/// What pictures that each cut the building show of it together, drawn for a height.
+Polygon DrawParts(const std::vector<Silhouette>& silhouettes, double height_m) {
+  std::vector<Polygon> parts;
+  for (const Silhouette& s : silhouettes) parts.push_back(DrawAlone(s, height_m));
+  if (parts.size() == 1) return parts.front();
+  return Unite(parts, 0.5 * GroundSampling_m(BestSilhouette(silhouettes)));
+}
+
+bool AreParts(const std::vector<Silhouette>& silhouettes) {
+  return std::all_of(silhouettes.begin(), silhouettes.end(),
+                     [](const Silhouette& s) { return s.outline.is_cut && !s.holds_more; });
+}
+
+/// The building drawn for a height, without a fit.
+Polygon Draw(const std::vector<Silhouette>& silhouettes, double height_m) {
+  return AreParts(silhouettes) ? DrawParts(silhouettes, height_m)
+                               : DrawAlone(BestSilhouette(silhouettes), height_m);
+}
+
+/// Draws the footprint as the silhouettes lie on the ground.
 bool DrawOnGround(Footprint& footprint) {
   const Silhouette& best = BestSilhouette(footprint.silhouettes);
   footprint.height_m = footprint.height_std_m = 0.0;
-  footprint.polygon_in_map_m = ProjectOutline(best, 0.0);
+  footprint.polygon_in_map_m = Draw(footprint.silhouettes, 0.0);
   footprint.corner_std_m.assign(footprint.polygon_in_map_m.outer.size(),
                                 std::hypot(0.5 * GroundSampling_m(best), PoseStd_m(best)));
   return !footprint.polygon_in_map_m.outer.empty();
@@ -60,9 +86,10 @@ bool DrawOnGround(Footprint& footprint) {
 /// Footprints that a building of this height may have.
 std::vector<Polygon> FindStarts(const std::vector<Silhouette>& silhouettes, double height_m) {
   constexpr std::size_t kMost = 2;
+  if (AreParts(silhouettes) && silhouettes.size() > 1) return {DrawParts(silhouettes, height_m)};
   std::vector<const Silhouette*> whole;
   for (const Silhouette& s : silhouettes) {
-    if (!s.outline.is_cut) whole.push_back(&s);
+    if (IsWhole(s)) whole.push_back(&s);
   }
   std::stable_sort(whole.begin(), whole.end(), [](const Silhouette* a, const Silhouette* b) {
     return ExpectedError_m(*a) < ExpectedError_m(*b);
@@ -96,7 +123,7 @@ std::vector<double> FindHeights(const std::vector<Silhouette>& silhouettes, doub
   constexpr double kAgreeRatio = 0.25;
   std::vector<double> heights;
   for (const Silhouette& s : silhouettes) {
-    if (s.outline.is_cut) continue;
+    if (!IsWhole(s)) continue;
     for (const double height_m : HeightsOfUprightSides(s)) {
       if (height_m < ceiling_m) heights.push_back(height_m);
     }
@@ -153,55 +180,88 @@ void Apply(const MassingFit& fit, Footprint& footprint) {
   footprint.height_std_m = fit.height_std_m;
 }
 
-/// Height, polygon and standard deviations from all silhouettes.
-bool Understand(Footprint& footprint, double max_height_m) {
-  footprint.is_cut = BestSilhouette(footprint.silhouettes).outline.is_cut;
-  footprint.captures.clear();
-  for (const Silhouette& s : footprint.silhouettes) footprint.captures.push_back(s.capture_id);
-  const std::optional<MassingFit> fit = FitToAll(footprint.silhouettes, max_height_m);
-  if (!fit) return DrawOnGround(footprint);
-  Apply(*fit, footprint);
+bool IsShown(const std::vector<Silhouette>& pictures, const Vector2d& p, double height_m) {
+  return std::any_of(pictures.begin(), pictures.end(), [&](const Silhouette& s) {
+    const auto pixel = Project(s.view, {p.x(), p.y(), height_m});
+    return pixel && IsWellInside(s.view, *pixel);
+  });
+}
+
+/// Whether pictures that each cut the building show its whole roof together: no side of it is but the end of
+/// a picture.
+bool IsShownAllAround(const Footprint& footprint) {
+  constexpr int kPlaces = 20;  // On a side.
+  if (!AreParts(footprint.silhouettes)) return false;
+  const Ring& ring = footprint.polygon_in_map_m.outer;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vector2d side = ring[(i + 1) % ring.size()] - ring[i];
+    for (int k = 0; k < kPlaces; ++k) {
+      const Vector2d p = ring[i] + side * k / kPlaces;
+      if (!IsShown(footprint.silhouettes, p, footprint.height_m)) return false;
+    }
+  }
   return true;
 }
 
-/// One silhouette alone, drawn for a height: good enough to tell buildings apart.
-Polygon DrawAlone(const Silhouette& s, double height_m) {
-  const Polygon carved = height_m > 0.0 ? Carve(s, height_m) : Polygon{};
-  return carved.outer.empty() ? ProjectOutline(s, height_m) : carved;
+/// Height, polygon and standard deviations from all silhouettes.
+bool Understand(Footprint& footprint, double max_height_m) {
+  footprint.captures.clear();
+  for (const Silhouette& s : footprint.silhouettes) footprint.captures.push_back(s.capture_id);
+  const std::optional<MassingFit> fit = FitToAll(footprint.silhouettes, max_height_m);
+  if (fit) {
+    Apply(*fit, footprint);
+  } else if (!DrawOnGround(footprint)) {
+    return false;
+  }
+  footprint.is_cut = !IsWhole(BestSilhouette(footprint.silhouettes)) && !IsShownAllAround(footprint);
+  return true;
 }
 
 /// How far a whole silhouette lies beside the footprint, as far as the noise of its pose explains that.
 Vector2d ShiftOfPose(const Silhouette& silhouette, const Polygon& polygon, double height_m) {
   const double reach_m = 3.0 * std::hypot(silhouette.view.position_std_m,
                                           CameraHeight(silhouette) * silhouette.view.orientation_std_rad);
-  if (reach_m <= 0.0 || silhouette.outline.is_cut) return Vector2d::Zero();
+  if (reach_m <= 0.0 || !IsWhole(silhouette)) return Vector2d::Zero();
   const Vector2d shift = Centroid(polygon) - Centroid(DrawAlone(silhouette, height_m));
   return shift * std::min(1.0, reach_m / std::max(1e-12, shift.norm()));
 }
 
-/// Share of what a silhouette covers on the ground that a building of this footprint and height would cover:
-/// a point is covered when some part of the plumb line on the footprint, or of the roof, appears in front of
-/// it.
-double ShareExplained(const Silhouette& silhouette, const Polygon& polygon, double height_m) {
+/// Of the places that a silhouette covers on the ground.
+struct Covered {
+  int places = 0;
+  int explained = 0;
+};
+
+/// How many of them a building of this footprint and height would cover: those at which some part of the
+/// plumb line on the footprint, or of the roof, appears in front. Only places that some of `pictures` show,
+/// when there are any.
+Covered CountExplained(const Silhouette& silhouette, const Polygon& polygon, double height_m,
+                       const std::vector<Silhouette>& pictures) {
   constexpr int kLevels = 8;
   const Polygon shadow = DrawAlone(silhouette, 0.0);
   const Vector2d nadir = silhouette.view.map_from_camera.translation_m.head<2>();
   const double shrink = (CameraHeight(silhouette) - height_m) / CameraHeight(silhouette);
   const Vector2d shift = ShiftOfPose(silhouette, polygon, height_m);
-  int covered = 0;
-  int explained = 0;
+  Covered covered;
   for (const Vector2d& p : GridOver(shadow.outer)) {
     if (!Contains(shadow.outer, p)) continue;
-    ++covered;
+    const Vector2d on_roof = nadir + shrink * (p - nadir);
+    if (!pictures.empty() && !(IsShown(pictures, p, 0.0) && IsShown(pictures, on_roof, height_m))) continue;
+    ++covered.places;
     for (int level = 0; level <= kLevels; ++level) {
       const double k = 1.0 + (shrink - 1.0) * level / kLevels;
       if (Contains(polygon.outer, nadir + k * (p - nadir) + shift)) {
-        ++explained;
+        ++covered.explained;
         break;
       }
     }
   }
-  return covered > 0 ? static_cast<double>(explained) / covered : 0.0;
+  return covered;
+}
+
+double ShareExplained(const Silhouette& silhouette, const Polygon& polygon, double height_m) {
+  const Covered covered = CountExplained(silhouette, polygon, height_m, {});
+  return covered.places > 0 ? static_cast<double>(covered.explained) / covered.places : 0.0;
 }
 
 /// Whether what `other` was seen as is this building, or part of it. A height that is not known yet is tried
@@ -212,11 +272,10 @@ bool Explains(const Footprint& building, const Footprint& other) {
   double height_m = building.height_m > 0.0 ? building.height_m : other.height_m;
   if (!(height_m > 0.0 && height_m < 0.9 * ceiling_m)) height_m = kMiddlingHeightRatio * ceiling_m;
   const auto at_height = [&](const Footprint& f) {
-    return f.height_m > 0.0 ? f.polygon_in_map_m : DrawAlone(BestSilhouette(f.silhouettes), height_m);
+    return f.height_m > 0.0 ? f.polygon_in_map_m : Draw(f.silhouettes, height_m);
   };
   if (building.is_cut && !other.is_cut) {  // Whatever stands in it, its silhouette covers the foot of it.
-    return ShareInside(at_height(other).outer, DrawAlone(BestSilhouette(building.silhouettes), 0.0).outer) >=
-           kExplainedShare;
+    return ShareInside(at_height(other).outer, Draw(building.silhouettes, 0.0).outer) >= kExplainedShare;
   }
   const Polygon polygon = at_height(building);
   return std::all_of(other.silhouettes.begin(), other.silhouettes.end(), [&](const Silhouette& s) {
@@ -243,7 +302,7 @@ Footprint Join(const Footprint& footprint, const std::vector<Silhouette>& silhou
 bool HoldsMore(const Footprint& part, const Footprint& together) {
   return together.height_m > 0.0 &&
          std::any_of(part.silhouettes.begin(), part.silhouettes.end(), [&](const Silhouette& s) {
-           return !s.outline.is_cut &&
+           return IsWhole(s) &&
                   ShareExplained(s, together.polygon_in_map_m, together.height_m) < kExplainedShare;
          });
 }
@@ -266,14 +325,14 @@ Relation Relate(const Footprint& known, const Footprint& seen) {
 bool IsMoreCertain(const Footprint& a, const Footprint& b) {
   const auto count_whole = [](const Footprint& f) {
     return std::min<std::ptrdiff_t>(2, std::count_if(f.silhouettes.begin(), f.silhouettes.end(),
-                                                     [](const Silhouette& s) { return !s.outline.is_cut; }));
+                                                     [](const Silhouette& s) { return IsWhole(s); }));
   };
   if (count_whole(a) != count_whole(b)) return count_whole(a) > count_whole(b);
   return ExpectedError_m(BestSilhouette(a.silhouettes)) < ExpectedError_m(BestSilhouette(b.silhouettes));
 }
 
-std::vector<Silhouette> MarkedCut(std::vector<Silhouette> silhouettes) {
-  for (Silhouette& s : silhouettes) s.outline.is_cut = true;
+std::vector<Silhouette> MarkedBlobs(std::vector<Silhouette> silhouettes) {
+  for (Silhouette& s : silhouettes) s.holds_more = true;
   return silhouettes;
 }
 
@@ -302,14 +361,14 @@ void Insert(Footprint seen, std::vector<Footprint>& map, std::uint32_t& next_id)
     const bool is_known_larger = relation == Relation::kPartOfKnown;
     if (IsMoreCertain(seen, known) == is_known_larger) {  // The larger one is a blob.
       Footprint& blob = is_known_larger ? known : seen;
-      blob.silhouettes = MarkedCut(std::move(blob.silhouettes));
+      blob.silhouettes = MarkedBlobs(std::move(blob.silhouettes));
       blob.is_cut = true;
       if (is_known_larger) blobs.insert(blobs.end(), known.silhouettes.begin(), known.silhouettes.end());
     } else if (is_known_larger) {
-      known = Join(std::move(known), MarkedCut(seen.silhouettes));
+      known = Join(std::move(known), MarkedBlobs(seen.silhouettes));
       return;
     } else {
-      known.silhouettes = MarkedCut(std::move(known.silhouettes));
+      known.silhouettes = MarkedBlobs(std::move(known.silhouettes));
       known = Join(std::move(known), seen.silhouettes);
       return;
     }
@@ -317,6 +376,46 @@ void Insert(Footprint seen, std::vector<Footprint>& map, std::uint32_t& next_id)
   seen = Join(std::move(seen), blobs);
   seen.object_id = next_id++;
   map.push_back(std::move(seen));
+}
+
+/// Whether a part of a building of this height covers what its pictures show of the other part.
+bool Covers(const Footprint& part, const Footprint& other, double height_m) {
+  constexpr int kLeastPlaces = 8;
+  const Polygon drawn = Draw(part.silhouettes, height_m);
+  Covered all;
+  for (const Silhouette& s : other.silhouettes) {
+    const Covered covered = CountExplained(s, drawn, height_m, part.silhouettes);
+    all.places += covered.places;
+    all.explained += covered.explained;
+  }
+  return all.places >= kLeastPlaces && all.explained >= kExplainedShare * all.places;
+}
+
+/// The building that two parts are of, if the edges of pictures parted it.
+std::optional<Footprint> JoinParts(const Footprint& a, const Footprint& b) {
+  if (!a.is_cut || !b.is_cut || a.color != b.color || !AreParts(a.silhouettes) || !AreParts(b.silhouettes))
+    return std::nullopt;
+  const Polygon ground = Draw(a.silhouettes, 0.0);
+  if (!(ShareInside(Draw(b.silhouettes, 0.0).outer, ground.outer) > 0.0)) return std::nullopt;
+  const Footprint together = Join(a, b.silhouettes);
+  const bool is_one = Covers(a, b, together.height_m) && Covers(b, a, together.height_m);
+  return is_one ? std::make_optional(together) : std::nullopt;
+}
+
+/// Joins what can be, until nothing can.
+void JoinAllParts(std::vector<Footprint>& map) {
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    for (std::size_t k = i + 1; k < map.size();) {
+      std::optional<Footprint> together = JoinParts(map[i], map[k]);
+      if (!together) {
+        ++k;
+        continue;
+      }
+      map[i] = std::move(*together);
+      map.erase(map.begin() + static_cast<std::ptrdiff_t>(k));
+      k = i + 1;
+    }
+  }
 }
 
 Outline WithoutRoofFurniture(Outline outline) {
@@ -352,6 +451,7 @@ std::vector<Footprint> MergeFootprints(const std::vector<Footprint>& map,
   std::uint32_t next_id = 1;
   for (const Footprint& known : map) next_id = std::max(next_id, known.object_id + 1);
   for (const Footprint& candidate : seen) Insert(candidate, merged, next_id);
+  JoinAllParts(merged);
   const std::vector<Footprint> all = merged;
   std::erase_if(merged, [&](const Footprint& f) { return f.is_cut && IsExplainedByOthers(f, all); });
   return merged;
@@ -368,7 +468,7 @@ Footprint WithHeight(const Footprint& footprint, double height_m, double height_
   }
   Footprint result = footprint;
   if (fit.polygon.outer.empty()) {
-    result.polygon_in_map_m = DrawAlone(BestSilhouette(footprint.silhouettes), height_m);
+    result.polygon_in_map_m = Draw(footprint.silhouettes, height_m);
     result.corner_std_m.clear();
   } else {
     Apply(fit, result);

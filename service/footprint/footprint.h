@@ -17,7 +17,11 @@ struct Silhouette {
   std::uint32_t capture_id = 0;
   View view;
   Outline outline;
+  bool holds_more = false;  ///< Other buildings, too: they look like one there.
 };
+
+/// Whether it shows all of the building, and nothing else.
+inline bool IsWhole(const Silhouette& s) { return !s.outline.is_cut && !s.holds_more; }
 
 /// One building of the vector map: the vertical projection of everything of it, in metres.
 struct Footprint {
@@ -31,7 +35,7 @@ struct Footprint {
   /// Empty: plumb walls up to a level roof. Else how it goes up from the ground, where the polygon is; they
   /// rise to `height_m`, and two at one height make a ledge.
   std::vector<Level> levels;
-  bool is_cut = false;                  ///< Part of it lay outside every picture: its shape is not known.
+  bool is_cut = false;  ///< Pictures do not show all of it, not even together: its shape is not known.
   std::vector<std::uint32_t> captures;  ///< The pictures that it was seen in.
   std::vector<Silhouette> silhouettes;  ///< How they show it; the polygon is drawn from these.
 };
@@ -56,8 +60,9 @@ std::vector<Footprint> TraceFootprints(const Image& image, const std::vector<Out
                                        const FootprintOptions& options);
 
 /// The vector map of all that several pictures show: the same building is one entry, whole views win over cut
-/// ones and steep views over slanted ones, and views from different places give the height (parallax). Ids
-/// are numbered from 1 by first sight, and are kept from `map`. Pure.
+/// ones and steep views over slanted ones, and views from different places give the height (parallax). What
+/// every picture cuts is put together from its parts, where these overlap. Ids are numbered from 1 by first
+/// sight, and are kept from `map`. Pure.
 std::vector<Footprint> MergeFootprints(const std::vector<Footprint>& map, const std::vector<Footprint>& seen);
 
 /// The same building drawn again for a height that is known from elsewhere (wall pictures): scaled about the

@@ -36,9 +36,13 @@ void AddMarks(const Cover& cover, const View& view, const Vector3d& from, const 
 
 }  // namespace
 
+bool IsWellInside(const View& view, const Vector2d& pixel) {
+  constexpr double kRim_px = 4.0;
+  return pixel.x() > kRim_px && pixel.y() > kRim_px && pixel.x() < view.intrinsics.width_px - 1 - kRim_px &&
+         pixel.y() < view.intrinsics.height_px - 1 - kRim_px;
+}
+
 std::vector<Mark> SampleOutline(const Silhouette& silhouette, double step_px) {
-  constexpr double kRim_px = 4.0;  // There a cut outline is only the end of the picture.
-  const Intrinsics& lens = silhouette.view.intrinsics;
   std::vector<Ring> rings = silhouette.outline.polygon_px.holes;
   rings.push_back(silhouette.outline.polygon_px.outer);
   std::vector<Mark> marks;
@@ -48,10 +52,8 @@ std::vector<Mark> SampleOutline(const Silhouette& silhouette, double step_px) {
       const int count = std::max(1, static_cast<int>(std::lround(side.norm() / step_px)));
       for (int k = 0; k < count; ++k) {
         const Vector2d pixel = ring[i] + side * ((k + 0.5) / count);
-        const bool is_inside = pixel.x() > kRim_px && pixel.y() > kRim_px &&
-                               pixel.x() < lens.width_px - 1 - kRim_px &&
-                               pixel.y() < lens.height_px - 1 - kRim_px;
-        if (is_inside || !silhouette.outline.is_cut) marks.push_back({pixel, side.normalized(), 0});
+        if (!silhouette.outline.is_cut || IsWellInside(silhouette.view, pixel))
+          marks.push_back({pixel, side.normalized(), 0});
       }
     }
   }

@@ -16,6 +16,9 @@ struct Mark {
   std::size_t edge = 0;  ///< Predicted outlines: which edge of the wireframe it is on.
 };
 
+/// Whether a pixel is not so near to the end of the picture that an outline there may be no more than that.
+bool IsWellInside(const View& view, const Eigen::Vector2d& pixel);
+
 /// Marks on a traced outline, about `step_px` apart; none where it is cut by the end of the picture.
 std::vector<Mark> SampleOutline(const Silhouette& silhouette, double step_px);
 

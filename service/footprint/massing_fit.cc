@@ -298,7 +298,7 @@ class Fitter {
         all += 1.0;
       }
       squares += Moved(v).squaredNorm();
-      if (silhouettes_[v].outline.is_cut) continue;
+      if (!IsWhole(silhouettes_[v])) continue;
       for (const Mark& mark : predicted) {
         squares +=
             weight_ * Robust(std::min(1e6, FindNearest(mark, seen_[v], step_px_).distance_px), kFarthest);

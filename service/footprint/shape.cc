@@ -163,7 +163,7 @@ Shaping Apply(const MassingFit& fit, Footprint footprint, std::vector<Silhouette
   auto view = fit.views.begin();
   for (Silhouette& s : beside) s.view = *view++;
   for (Silhouette& s : footprint.silhouettes) {
-    if (!s.outline.is_cut) s.view = *view++;
+    if (IsWhole(s)) s.view = *view++;
   }
   return {std::move(footprint), std::move(beside)};
 }
@@ -181,7 +181,7 @@ std::optional<Shaping> ShapeBuilding(const Footprint& footprint, const std::vect
 
   std::vector<Silhouette> all = shown;
   for (const Silhouette& s : footprint.silhouettes) {
-    if (!s.outline.is_cut) all.push_back(s);
+    if (IsWhole(s)) all.push_back(s);
   }
   const MassingFit best = FitLevels(polygon, profiles, height_m, all);
   if (best.polygon.outer.empty() || !HasInsets(best.levels)) return std::nullopt;

@@ -199,6 +199,54 @@ TEST(MergeFootprints, LetsAWholeViewWinOverACutOne) {
   EXPECT_FALSE(map[0].is_cut);
 }
 
+/// What each of the cameras shows, all looking north, in one map.
+std::vector<Footprint> MapFrom(const std::vector<Eigen::Vector3d>& cameras,
+                               const std::vector<Block>& blocks) {
+  std::vector<Footprint> map;
+  std::uint32_t id = 0;
+  for (const Eigen::Vector3d& from : cameras)
+    map = MergeFootprints(map, TraceBlocks(LookDown(from, std::numbers::pi / 2), ++id, blocks));
+  return map;
+}
+
+TEST(MergeFootprints, PutsABuildingTogetherThatEveryPictureCuts) {
+  const Ring ell = Turned({{-8, 0}, {8, 0}, {8, 3}, {-4, 3}, {-4, 6}, {-8, 6}}, 0.1);
+  for (const double height_m : {0.0, 2.5}) {
+    const auto map = MapFrom({{-5, 2, 10}, {4, 2, 10}}, {{ell, height_m}});
+    ASSERT_THAT(map, SizeIs(1));
+    EXPECT_FALSE(map[0].is_cut);
+    EXPECT_THAT(map[0].captures, ElementsAre(1, 2));
+    EXPECT_THAT(map[0].polygon_in_map_m.outer, SizeIs(6));
+    EXPECT_LT(RelativeDifference(ell, map[0].polygon_in_map_m.outer), 0.02);
+    EXPECT_NEAR(map[0].height_m, height_m, 0.1);
+  }
+}
+
+TEST(MergeFootprints, PutsPartsTogetherInAnyOrder) {
+  const Ring bar = Turned(Box(30, 3), 0.05);
+  const auto map = MapFrom({{-11, 0, 10}, {11, 0, 10}, {0, 0, 10}}, {{bar, 2.0}});
+  ASSERT_THAT(map, SizeIs(1));
+  EXPECT_EQ(map[0].object_id, 1u);
+  EXPECT_FALSE(map[0].is_cut);
+  EXPECT_THAT(map[0].polygon_in_map_m.outer, SizeIs(4));
+  EXPECT_LT(RelativeDifference(bar, map[0].polygon_in_map_m.outer), 0.02);
+}
+
+TEST(MergeFootprints, LeavesPartsCutThatNoPictureJoins) {
+  const auto map = MapFrom({{-11, 0, 10}, {11, 0, 10}}, {{Box(30, 3), 2.0}});
+  ASSERT_THAT(map, SizeIs(2));
+  EXPECT_TRUE(map[0].is_cut);
+  EXPECT_TRUE(map[1].is_cut);
+}
+
+TEST(MergeFootprints, KeepsNeighboursApartThatPicturesCut) {
+  const std::vector<Block> blocks = {{Turned(Box(6, 3), 0.0, {-9, 0}), 2.0},
+                                     {Turned(Box(12, 3), 0.0, {1, 0}), 2.0}};
+  const auto map = MapFrom({{-9, 0, 10}, {4, 0, 10}}, blocks);
+  ASSERT_THAT(map, SizeIs(2));
+  EXPECT_FALSE(map[0].is_cut && map[1].is_cut);
+}
+
 /// Two buildings of one colour, of which one hides the foot of the other in the overview.
 TEST(MergeFootprints, TakesABlobOfTwoBuildingsApart) {
   const Block near{Turned(Box(2.5, 1.5), 0.3, {2.0, 0.0}), 2.0};
