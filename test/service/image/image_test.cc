@@ -289,6 +289,41 @@ TEST(DecodeImage, TakesTheDistortionOut) {
   EXPECT_NEAR(m.m01 / m.m00, k.fy_px * y + k.cy_px, 1.0);
 }
 
+/// A lens as strong as wide ones are, and a picture whose sides are no multiples of anything.
+TEST(DecodeImage, TakesTheDistortionOutEverywhere) {
+  Capture capture = CaptureOf({}, 637, 475);
+  capture.intrinsics.fx_px = capture.intrinsics.fy_px = 400.0;
+  capture.intrinsics.distortion = {-0.3, 0.09, 0.001, -0.0005, 0.0};
+  const auto wave = [](double x, double y) {
+    return 128.0 + 60.0 * std::sin(0.1 * x) + 60.0 * std::cos(0.08 * y);
+  };
+  cv::Mat3b picture(475, 637);
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x)
+      picture(y, x) = cv::Vec3b::all(cv::saturate_cast<uchar>(wave(x, y)));
+  }
+  capture.bytes = Encode(".png", picture);
+  const Image image = DecodeImage(capture, {}).value();
+  const Intrinsics& k = image.view.intrinsics;
+  const auto& d = capture.intrinsics.distortion;
+  double farthest = 0.0;
+  for (int row = 0; row < image.bgr.rows; ++row) {
+    for (int col = 0; col < image.bgr.cols; ++col) {
+      const double x = (col - k.cx_px) / k.fx_px;
+      const double y = (row - k.cy_px) / k.fy_px;
+      const double r2 = x * x + y * y;
+      const double radial = 1 + r2 * (d[0] + r2 * d[1]);
+      const double u =
+          400.0 * (x * radial + 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x)) + capture.intrinsics.cx_px;
+      const double v =
+          400.0 * (y * radial + d[2] * (r2 + 2 * y * y) + 2 * d[3] * x * y) + capture.intrinsics.cy_px;
+      if (u < 0.0 || v < 0.0 || u > picture.cols - 1 || v > picture.rows - 1) continue;
+      farthest = std::max(farthest, std::abs(image.bgr(row, col)[0] - wave(u, v)));
+    }
+  }
+  EXPECT_LT(farthest, 1.6);  // Of 6 levels from one pixel to the next.
+}
+
 TEST(DecodeImage, GivesTheSameForTheSame) {
   Capture capture = CaptureOf(Encode(".jpg", Pattern(64, 48)));
   capture.intrinsics.distortion = {-0.1, 0.01, 0, 0, 0};
