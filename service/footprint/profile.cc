@@ -1,11 +1,17 @@
 #include "service/footprint/profile.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace soffit {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+
+namespace {
+constexpr double kNearest_m =
+    0.1;  ///< A camera that is nearer, or within the building, shows no elevation of it.
+}  // namespace
 
 double Profile::Top() const {
   double top = 0.0;
@@ -24,21 +30,24 @@ std::optional<Vector2d> Profile::Extent(double height_m) const {
   return extent;
 }
 
-std::optional<Profile> Elevate(const Silhouette& silhouette, const Vector2d& middle_m) {
+std::optional<Profile> Elevate(const Silhouette& silhouette, const Ring& drawn) {
   const View& view = silhouette.view;
   Profile profile;
   profile.camera_m = view.map_from_camera.translation_m.head<2>();
-  profile.middle_m = middle_m;
   profile.turn_std_rad = view.orientation_std_rad;
-  const Vector2d ahead = (middle_m - profile.camera_m).normalized();
+  const Vector2d ahead = (Centroid({drawn, {}}) - profile.camera_m).normalized();
   profile.right = {ahead.y(), -ahead.x()};
-  const double distance_m = (middle_m - profile.camera_m).norm();
+  double distance_m = std::numeric_limits<double>::infinity();
+  for (const Vector2d& corner : drawn)
+    distance_m = std::min(distance_m, (corner - profile.camera_m).dot(ahead));
+  if (!(distance_m > kNearest_m)) return std::nullopt;
+  profile.middle_m = profile.camera_m + distance_m * ahead;
   for (const Vector2d& pixel : silhouette.outline.polygon_px.outer) {
     const Vector3d ray = RayDirection(view, pixel);
     const double along = ray.head<2>().dot(ahead);
     if (!(along > 0.1)) return std::nullopt;
     const Vector3d at = view.map_from_camera.translation_m + ray * (distance_m / along);
-    profile.outline.emplace_back((at.head<2>() - middle_m).dot(profile.right), at.z());
+    profile.outline.emplace_back((at.head<2>() - profile.middle_m).dot(profile.right), at.z());
   }
   return profile;
 }

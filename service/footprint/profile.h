@@ -11,8 +11,8 @@ inline constexpr double kFootShare = 0.12;  ///< Of a building's height: up to t
 inline constexpr double kSideCosine = 0.9;  ///< Between the normal of a wall that is at the end of a profile
                                             ///< and the picture's horizontal; at least.
 
-/// One level picture's outline of a building as an elevation: on the upright plane through the middle of the
-/// building that faces the camera.
+/// One level picture's outline of a building as an elevation: on the upright plane before the building that
+/// faces the camera, where its nearest wall is.
 struct Profile {
   Eigen::Vector2d right = Eigen::Vector2d::UnitX();  ///< In the map, along the picture.
   Eigen::Vector2d camera_m = Eigen::Vector2d::Zero();
@@ -25,7 +25,9 @@ struct Profile {
   std::optional<Eigen::Vector2d> Extent(double height_m) const;
 };
 
-/// None when the outline reaches to where the camera does not look level.
-std::optional<Profile> Elevate(const Silhouette& silhouette, const Eigen::Vector2d& middle_m);
+/// None when the outline reaches to where the camera does not look level, or the camera is not before it.
+///
+/// @param drawn  Where the building stands, roughly.
+std::optional<Profile> Elevate(const Silhouette& silhouette, const Ring& drawn);
 
 }  // namespace soffit

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "service/footprint/carve.h"
 #include "service/footprint/level_guess.h"
 #include "service/footprint/massing_fit.h"
 #include "service/footprint/profile.h"
@@ -16,6 +17,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kSameBuilding = 0.3;    ///< Intersection over union of what is predicted and an outline.
+constexpr double kSameEavesShare = 0.05;  ///< Of the height.
+constexpr double kDetailShare = 0.03;  ///< Of the building's size: what levels may be drawn without at first.
 constexpr std::size_t kLeastBeside = 2;  ///< Pictures that have to show what stands back.
 
 struct Box {
@@ -78,18 +81,69 @@ std::vector<Silhouette> FindBeside(const Footprint& footprint, const std::vector
   return found;
 }
 
-/// Outlines that the building may stand on: as it was drawn from above, and the smallest rectangle about it.
-std::vector<Ring> FindRings(const Ring& drawn) {
+bool HasInsets(const std::vector<Level>& levels) {
+  return std::any_of(levels.begin(), levels.end(), [](const Level& level) {
+    return std::any_of(level.inset_m.begin(), level.inset_m.end(),
+                       [](double inset_m) { return inset_m > 0.0; });
+  });
+}
+
+/// Heights at which the profiles suggest that the outline which is seen from above may be.
+std::vector<double> FindEaves_m(const std::vector<Ring>& rings, const std::vector<Profile>& profiles,
+                                double height_m) {
+  std::vector<double> eaves_m;
+  for (const Ring& ring : rings) {
+    for (const LevelGuess& guess : GuessLevels(ring, profiles, height_m)) {
+      if (!HasInsets(guess.levels)) continue;
+      for (const Level& level : guess.levels) eaves_m.push_back(level.height_m);
+    }
+  }
+  std::sort(eaves_m.begin(), eaves_m.end());
+  const auto is_same = [&](double a, double b) { return b - a < kSameEavesShare * height_m; };
+  eaves_m.erase(std::unique(eaves_m.begin(), eaves_m.end(), is_same), eaves_m.end());
+  return eaves_m;
+}
+
+std::vector<cv::Point2f> ToPoints(const Ring& ring) {
   std::vector<cv::Point2f> points;
-  for (const Vector2d& p : drawn) points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
-  cv::Point2f corners[4];
-  cv::minAreaRect(points).points(corners);
-  Ring rectangle;
-  for (const cv::Point2f& p : corners) rectangle.emplace_back(p.x, p.y);
+  for (const Vector2d& p : ring) points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  return points;
+}
+
+Ring ToRing(const std::vector<cv::Point2f>& points) {
+  Ring ring;
+  for (const cv::Point2f& p : points) ring.emplace_back(p.x, p.y);
+  return ring;
+}
+
+/// With the corners that matter (D. Douglas and T. Peucker, Cartographica 10(2), 1973): sides that stand back
+/// must not be short.
+Ring WithoutDetails(const Ring& ring) {
+  if (ring.size() < 3) return ring;
+  std::vector<cv::Point2f> thinned;
+  cv::approxPolyDP(ToPoints(ring), thinned, kDetailShare * std::sqrt(std::abs(SignedArea(ring))), true);
+  return ToRing(thinned);
+}
+
+/// Outlines that the building may stand on: as it was drawn from above, the smallest rectangle about it, and
+/// as each picture from above shows it when what it shows are the eaves.
+std::vector<Ring> FindRings(const Footprint& footprint, const std::vector<Profile>& profiles,
+                            double height_m) {
+  const Ring& drawn = footprint.polygon_in_map_m.outer;
+  std::vector<cv::Point2f> corners(4);
+  cv::minAreaRect(ToPoints(drawn)).points(corners.data());
+  Ring rectangle = ToRing(corners);
   if (SignedArea(rectangle) < 0.0) std::reverse(rectangle.begin(), rectangle.end());
   std::vector<Ring> rings = {drawn};
   if (drawn.size() != 4 && std::abs(SignedArea(drawn)) > 0.7 * SignedArea(rectangle))
     rings.push_back(rectangle);
+  for (const double eaves_m : FindEaves_m(rings, profiles, height_m)) {
+    for (const Silhouette& silhouette : footprint.silhouettes) {
+      if (silhouette.outline.is_cut) continue;
+      Ring carved = WithoutDetails(Carve(silhouette, eaves_m).outer);
+      if (carved.size() >= 3 && IsSimple(carved)) rings.push_back(std::move(carved));
+    }
+  }
   return rings;
 }
 
@@ -116,36 +170,31 @@ Ring FitToBase(Ring ring, const std::vector<Profile>& profiles, double height_m)
     }
   }
   for (std::size_t i = 0; i < n; ++i) inset_m[i] /= std::max(1.0, count[i]);
-  return InsetRing(ring, inset_m);
+  Ring fitted = InsetRing(ring, inset_m);
+  return IsSimple(fitted) && SignedArea(fitted) > 0.0 ? fitted : ring;
 }
 
-bool HasInsets(const std::vector<Level>& levels) {
-  return std::any_of(levels.begin(), levels.end(), [](const Level& level) {
-    return std::any_of(level.inset_m.begin(), level.inset_m.end(),
-                       [](double inset_m) { return inset_m > 0.0; });
-  });
-}
-
-std::vector<Profile> ElevateAll(const std::vector<Silhouette>& beside, const Vector2d& middle_m) {
+std::vector<Profile> ElevateAll(const std::vector<Silhouette>& beside, const Ring& drawn) {
   std::vector<Profile> profiles;
   for (const Silhouette& silhouette : beside) {
-    if (auto profile = Elevate(silhouette, middle_m)) profiles.push_back(*std::move(profile));
+    if (auto profile = Elevate(silhouette, drawn)) profiles.push_back(*std::move(profile));
   }
   return profiles;
 }
 
 /// The best fit of those with levels that profiles suggest; its polygon is empty when there is none.
-MassingFit FitLevels(const Polygon& polygon, const std::vector<Profile>& profiles, double height_m,
+MassingFit FitLevels(const Footprint& footprint, const std::vector<Profile>& profiles, double height_m,
                      const std::vector<Silhouette>& silhouettes) {
+  const Polygon& polygon = footprint.polygon_in_map_m;
   MassingFit best;
-  for (const Ring& drawn : FindRings(polygon.outer)) {
+  for (const Ring& drawn : FindRings(footprint, profiles, height_m)) {
     Massing start{{FitToBase(drawn, profiles, height_m)}, {}, {}};
-    if (!IsSimple(start.rings.front()) || !(SignedArea(start.rings.front()) > 0.0)) continue;
     start.rings.insert(start.rings.end(), polygon.holes.begin(), polygon.holes.end());
     for (LevelGuess& guess : GuessLevels(drawn, profiles, height_m)) {
       if (!HasInsets(guess.levels)) continue;
       start.levels = std::move(guess.levels);
       start.is_free = std::move(guess.is_free);
+      start = Changed(start, Eigen::VectorXd::Zero(Layout(start).size));
       MassingFit fit = FitMassing(silhouettes, start);
       if (fit.cost < best.cost) best = std::move(fit);
     }
@@ -174,7 +223,7 @@ std::optional<Shaping> ShapeBuilding(const Footprint& footprint, const std::vect
   if (footprint.is_cut) return std::nullopt;
   const Polygon& polygon = footprint.polygon_in_map_m;
   std::vector<Silhouette> shown = FindBeside(footprint, beside);
-  const std::vector<Profile> profiles = ElevateAll(shown, Centroid(polygon));
+  const std::vector<Profile> profiles = ElevateAll(shown, polygon.outer);
   if (profiles.size() < kLeastBeside) return std::nullopt;
   double height_m = 0.0;
   for (const Profile& profile : profiles) height_m = std::max(height_m, profile.Top());
@@ -183,7 +232,7 @@ std::optional<Shaping> ShapeBuilding(const Footprint& footprint, const std::vect
   for (const Silhouette& s : footprint.silhouettes) {
     if (IsWhole(s)) all.push_back(s);
   }
-  const MassingFit best = FitLevels(polygon, profiles, height_m, all);
+  const MassingFit best = FitLevels(footprint, profiles, height_m, all);
   if (best.polygon.outer.empty() || !HasInsets(best.levels)) return std::nullopt;
   const MassingFit plain = FitMassing(all, Upright(polygon, height_m));
   if (plain.cost <= best.cost) return std::nullopt;

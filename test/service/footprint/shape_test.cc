@@ -143,6 +143,14 @@ TEST(ShapeBuilding, FindsWallsThatLeanThoughThePosesAreOff) {
   for (const double found_m : shaping->footprint.levels.back().inset_m) EXPECT_NEAR(found_m, inset_m, 0.08);
 }
 
+TEST(ShapeBuilding, FindsAGableOnAHouseWithACutCornerThatIsHighForTheCamera) {
+  const Ring ring = Turned({{-2.1, -0.9}, {2.1, -0.9}, {2.1, 0.1}, {1.1, 0.9}, {-2.1, 0.9}}, 0.4, {1.2, 0.3});
+  const Shown shown = Show(Built(ring, {{2.1, {0, 0, 0, 0, 0}}, {2.8, {0.8, 0, 0, 0.8, 0}}}));
+  const auto shaping = ShapeBuilding(shown.footprint, shown.beside);
+  ASSERT_TRUE(shaping.has_value());
+  EXPECT_LT(RelativeDifference(ring, shaping->footprint.polygon_in_map_m.outer), 0.02);
+}
+
 TEST(ShapeBuilding, AsksForTwoPicturesFromBeside) {
   const Shown shown = Show(Built(kRing, {{1.6, {0, 0, 0, 0}}, {2.5, {0.9, 0, 0.9, 0}}}), 0.0, 1);
   EXPECT_FALSE(ShapeBuilding(shown.footprint, shown.beside).has_value());
