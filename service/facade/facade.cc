@@ -23,7 +23,6 @@ constexpr double kMinGroundOnlyShare = 0.90;
 constexpr double kStraightShare = 0.25;  // Of a head's columns that have to lie on one level.
 constexpr double kPixelStd = 0.7;
 constexpr double kSameWidthShare = 0.92;  // A gap that narrows less shows no sides of a recess.
-constexpr double kMisfitSigmas = 6.0;     // Of the pose: by so much the picture may be beside the wall's end.
 constexpr int kHeadSegments = 24;
 constexpr int kJambEdgeCells = 3;  // Where colours mix.
 constexpr int kLeastJambCells = 6;
@@ -90,6 +89,24 @@ struct Gap {
   bool is_standing = false;
 };
 
+/// Whether nothing of the wall is seen between a gap and one of the wall's ends, in most rows of the gap:
+/// then it is not in the wall but beside it.
+bool LiesBeside(const Elevation& view, const Gap& gap) {
+  int open_left = 0, open_right = 0;
+  for (int row = 0; row < gap.inside.rows; ++row) {
+    const uchar* inside = gap.inside[row];
+    const uchar* seen = view.seen[gap.bounds.y + row];
+    const auto is_structure = [](uchar s) { return Is(s, Seen::kStructure); };
+    const int first = static_cast<int>(std::find(inside, inside + gap.inside.cols, 255) - inside);
+    if (first == gap.inside.cols) continue;
+    int last = gap.inside.cols - 1;
+    while (inside[last] == 0) --last;
+    open_left += std::none_of(seen, seen + gap.bounds.x + first, is_structure) ? 1 : 0;
+    open_right += std::none_of(seen + gap.bounds.x + last, seen + view.seen.cols, is_structure) ? 1 : 0;
+  }
+  return 2 * std::max(open_left, open_right) > gap.inside.rows;
+}
+
 std::vector<Gap> FindGaps(const Elevation& view, double height_m, double min_opening_m) {
   const int rows = std::min(view.seen.rows, view.Row(height_m) - 2);
   if (rows < 4) return {};
@@ -117,11 +134,8 @@ std::vector<Gap> FindGaps(const Elevation& view, double height_m, double min_ope
                     stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT)};
     found.is_standing = found.bounds.y <= 2 + reach;
     if (found.bounds.width < least || (!found.is_standing && found.bounds.height < least)) continue;
-    const bool is_at_end =
-        found.bounds.x <= 2 + reach || found.bounds.x + found.bounds.width >= gap.cols - 2 - reach;
-    if (is_at_end && found.bounds.width * view.cell_m < kMisfitSigmas * view.pose_std_m)
-      continue;  // Beside the wall.
     found.inside = component(found.bounds) == i;
+    if (LiesBeside(view, found)) continue;
     cv::bitwise_and(found.inside, open(found.bounds), found.open);
     gaps.push_back(found);
   }

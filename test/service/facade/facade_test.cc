@@ -119,6 +119,16 @@ TEST(ReadFacades, TakesAPaintedDoorForNoWayThrough) {
   for (const Opening& opening : facades[0].openings) EXPECT_FALSE(opening.is_through) << opening.evidence;
 }
 
+TEST(ReadFacades, TakesWhatIsOpenAtTheEndOfAWallForNoOpening) {
+  const test::Thing above = test::Block(test::Box(2.0, -0.75, 2.6, 0.75), 1.5, 2.3, test::kBlueWall);
+  const auto seeing = Look({test::FromSouth()}, {Arch{}.thing(), above});
+  Footprint footprint = Arch{}.footprint();
+  for (Eigen::Vector2d& p : footprint.polygon_in_map_m.outer) p.x() = p.x() > 0.0 ? 2.6 : p.x();
+  const auto facades = ReadFacades(footprint, seeing.images, seeing.masks, seeing.sights, {});
+  ASSERT_THAT(facades[0].openings, SizeIs(1));
+  EXPECT_NEAR(facades[0].openings[0].ring_in_wall_m[1].x(), 2.8, 0.02);
+}
+
 TEST(ReadFacades, KnowsWhichWallsItDidNotSee) {
   const auto facades = Read({}, {test::FromSouth()});
   EXPECT_FALSE(facades[1].was_seen);
