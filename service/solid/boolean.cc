@@ -3,6 +3,7 @@
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_faces.h>
 #include <CGAL/Surface_mesh.h>
 
@@ -33,11 +34,18 @@ struct KeepOrigins : pmp::Corefinement::Default_visitor<Surface> {
 
 Kernel::Point_3 ToPoint(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 
-/// Closed triangle mesh with outward normals; empty when the tube is degenerate.
+/// Numbers that are not finite end the process in the exact kernel.
+bool IsFinite(const Tube& tube) {
+  return std::all_of(tube.rings_m.begin(), tube.rings_m.end(), [](const std::vector<Eigen::Vector3d>& ring) {
+    return std::all_of(ring.begin(), ring.end(), [](const Eigen::Vector3d& p) { return p.allFinite(); });
+  });
+}
+
+/// Closed triangle mesh with outward normals; empty when the tube is degenerate or not finite.
 Surface Raise(const Tube& tube, std::size_t number) {
   Surface surface;
   const std::size_t corners = tube.rings_m.empty() ? 0 : tube.rings_m.front().size();
-  if (corners < 3 || tube.rings_m.size() < 2) return surface;
+  if (corners < 3 || tube.rings_m.size() < 2 || !IsFinite(tube)) return surface;
   Origins origins = OriginsOf(surface);
   std::vector<std::vector<Surface::Vertex_index>> rings;
   for (const std::vector<Eigen::Vector3d>& ring : tube.rings_m) {
@@ -113,6 +121,11 @@ Tube::Tube(const Prism& prism) {
     rings_m[1].push_back(corner + prism.sweep_m);
   }
   if (prism.x_axis.cross(prism.y_axis).dot(prism.sweep_m) > 0.0) std::reverse(rings_m.begin(), rings_m.end());
+}
+
+bool IsSound(const Tube& tube) {
+  const Surface surface = Raise(tube, 0);
+  return IsSolid(surface) && !pmp::does_self_intersect(surface);
 }
 
 Result<Difference> Subtract(const Tube& body, const std::vector<Tube>& cuts) {

@@ -39,6 +39,9 @@ struct Difference : Mesh {
   std::vector<Origin> origins;  ///< Of each triangle.
 };
 
+/// Whether it encloses a volume and does not cross itself.
+bool IsSound(const Tube& tube);
+
 /// `body` less all `cuts`, by corefinement with exact constructions (CGAL, Polygon Mesh Processing: S. Loriot
 /// et al.). An error when one is degenerate or the difference is not a solid.
 Result<Difference> Subtract(const Tube& body, const std::vector<Tube>& cuts);

@@ -12,7 +12,7 @@
 namespace soffit {
 namespace {
 
-constexpr double kMinOverlap = 0.5;      // Of the smaller mouth's width: less does not lie opposite.
+constexpr double kMinOverlap = 0.5;  // Of the smaller mouth's width or height: less does not lie opposite.
 constexpr double kAgreeSigmas = 6.0;     // By more, the mouths of one passage differ.
 constexpr double kLeastCosine = 0.34;    // Between a passage and the normals of its walls (70 degrees).
 constexpr double kStraightDrift = 0.12;  // By less, a jamb leads to the far mouth's corner.
@@ -20,6 +20,7 @@ constexpr double kLeastKnee_m = 0.08;    // Off the straight way; a jamb with le
 constexpr double kTurnCost = 0.1;        // Of a way that leaves its wall at 45 degrees.
 constexpr double kContradicted = 1.0;    // Costs a way that the jambs do not lead along.
 constexpr double kLeastShare = 0.05;     // Of a side's length, from its ends to where the other one bends.
+constexpr double kLeastSide_m = 1e-3;    // Of a passage, from one section to the next.
 constexpr double kSameStation = 1e-6;
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -156,6 +157,12 @@ bool IsInside(const Polygon& footprint, const Eigen::Vector2d& a, const Eigen::V
                       [&](const Ring& hole) { return Crosses(hole, from, to); });
 }
 
+/// Whether the openings overlap in height, by most of the smaller one: ways through buildings hardly climb.
+bool LieAtOneHeight(const Gate& a, const Gate& b) {
+  const double shared = std::min(a.extent.top, b.extent.top) - std::max(a.extent.bottom, b.extent.bottom);
+  return shared > kMinOverlap * std::min(a.extent.Height(), b.extent.Height());
+}
+
 /// Whether most of the smaller opening lies straight opposite the other one.
 bool LieOpposite(const Polygon& footprint, const Gate& a, int side, const Gate& b, int other_side) {
   const auto way = FindWayOut(footprint, side, 0.5 * (a.extent.left + a.extent.right));
@@ -255,6 +262,16 @@ bool LiesAcross(const Section& section, const Eigen::Vector2d& way) {
   return Cross(width, way) > kLeastCosine * width.norm();
 }
 
+/// Whether the passage has no length on one side: its mouths meet in a corner of the building.
+bool HasPoint(const std::vector<Section>& sections) {
+  for (std::size_t k = 0; k + 1 < sections.size(); ++k) {
+    for (std::size_t i = 0; i < sections[k].size(); ++i) {
+      if ((sections[k + 1][i] - sections[k][i]).norm() < kLeastSide_m) return true;
+    }
+  }
+  return false;
+}
+
 struct Course {
   double cost = 0.0;
   std::vector<Section> sections;
@@ -269,6 +286,7 @@ std::optional<Course> FindCourse(const Polygon& footprint, const Gate& a, const 
   if (lie_opposite && may_be_hidden && DifferInSize(a, b)) return Course{cost, SweepLarger(a, b)};
   const Sides sides = joined.value_or(Sides{});
   Course course{cost, SectionsOf(a, b, sides)};
+  if (HasPoint(course.sections)) return std::nullopt;
   std::vector<Eigen::Vector2d> line;
   for (const Section& section : course.sections) line.push_back(MiddleOf(section));
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
@@ -331,7 +349,7 @@ std::vector<Tunnel> FindTunnels(const Polygon& footprint, const std::vector<Faca
   std::vector<std::pair<double, Tunnel>> by_cost;
   for (auto a = candidates.begin(); a != candidates.end(); ++a) {
     for (auto b = std::next(a); b != candidates.end(); ++b) {
-      if (a->side == b->side) continue;
+      if (a->side == b->side || !LieAtOneHeight(a->gate, b->gate)) continue;
       const bool lie_opposite = LieOpposite(footprint, a->gate, a->side, b->gate, b->side);
       if (!lie_opposite && !(a->is_through && b->is_through)) continue;
       if (auto course = FindCourse(footprint, a->gate, b->gate, lie_opposite))

@@ -97,13 +97,14 @@ struct Assembly {
     passage.entry_wall = facades[tunnel.entry.facade].side;
     passage.exit_wall = tunnel.exit_wall;
     passage.sections_in_map_m = std::move(tunnel.sections_in_map_m);
+    Tube cut = CutFor(passage, footprint.polygon_in_map_m.outer);
+    if (!IsSound(cut)) return;  // The two mouths are not of one passage.
     passage.entry_opening = ListMouth(tunnel.entry);
     passage.exit_opening = tunnel.exit ? ListMouth(*tunnel.exit) : ListSupposedExit(passage);
     const bool bends = passage.sections_in_map_m.size() > 2;
     passage.std_m = (bends ? kKneeStds : 1.0) * std::max(solid.openings[passage.entry_opening].std_m,
                                                          solid.openings[passage.exit_opening].std_m);
-    Cut(CutFor(passage, footprint.polygon_in_map_m.outer),
-        {passage.entry_wall, static_cast<int>(passage.entry_opening)});
+    Cut(std::move(cut), {passage.entry_wall, static_cast<int>(passage.entry_opening)});
     solid.passages.push_back(std::move(passage));
   }
 

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <memory>
 #include <random>
 
@@ -53,6 +55,20 @@ TEST(Subtract, GivesTheSameOrderWhereverItsWorkLiesInMemory) {
     ASSERT_EQ(again.value().triangles, first.value().triangles) << "run " << run;
     ASSERT_EQ(again.value().vertices_in_map_m, first.value().vertices_in_map_m) << "run " << run;
   }
+}
+
+TEST(Subtract, RefusesNumbersThatAreNotFinite) {
+  Prism passage = Passage(0.7, 2.2, 1.9, 2);
+  passage.ring[1].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(Subtract(Block(6, 2, 4), {passage}).ok());
+}
+
+TEST(IsSound, TellsATubeThatCrossesItself) {
+  const Tube straight = Passage(0.7, 2.2, 1.9, 2);
+  EXPECT_TRUE(IsSound(straight));
+  Tube crossed = straight;
+  std::reverse(crossed.rings_m.back().begin(), crossed.rings_m.back().end());
+  EXPECT_FALSE(IsSound(crossed));
 }
 
 }  // namespace

@@ -207,6 +207,24 @@ TEST(RaiseSolid, LeadsUnderACorner) {
   EXPECT_TRUE(IsClosedManifold(solid.value().mesh));
 }
 
+TEST(RaiseSolid, JoinsNoMouthsOfDifferentStoreys) {
+  auto facades = Closed(4);
+  facades[0].openings = {Through({{1, 0}, {2.6, 0}, {2.6, 0.8}, {1, 0.8}})};
+  facades[2].openings = {Through({{1.4, 1.1}, {3, 1.1}, {3, 1.9}, {1.4, 1.9}})};
+  const auto solid = RaiseSolid(Building(kBlock), facades);
+  ASSERT_TRUE(solid.ok()) << solid.error().message;
+  EXPECT_THAT(solid.value().passages, IsEmpty());
+}
+
+TEST(RaiseSolid, JoinsNoMouthsThatMeetInACorner) {
+  auto facades = Closed(4);
+  facades[0].openings = {Through({{1, 0}, {4, 0}, {4, 1.5}, {1, 1.5}})};
+  facades[1].openings = {Through({{0, 0}, {1, 0}, {1, 1.5}, {0, 1.5}})};
+  const auto solid = RaiseSolid(Building(kBlock), facades);
+  ASSERT_TRUE(solid.ok()) << solid.error().message;
+  EXPECT_THAT(solid.value().passages, IsEmpty());
+}
+
 TEST(RaiseSolid, SupposesThatASlantedPassageGoesOnAlongItsJambs) {
   auto facades = Closed(4);
   facades[2].was_seen = false;
