@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "test/bench/judgement.h"
+#include "test/bench/scanned.h"
 #include "test/sim/draw/draw.h"
 
 namespace soffit::bench {
@@ -26,6 +27,7 @@ struct Order {
   int jobs = 1;
   int width_px = 640;
   int looks = 0;
+  std::vector<std::filesystem::path> scans;
   std::filesystem::path log;
   std::filesystem::path out;
 };
@@ -51,12 +53,25 @@ std::vector<Judgement> ReadLog(const std::filesystem::path& file) {
   return judgements;
 }
 
-/// Judges what the log does not have yet.
+std::vector<sim::World> ReadScans(const std::vector<std::filesystem::path>& files) {
+  std::vector<sim::World> worlds;
+  for (const std::filesystem::path& file : files) {
+    Result<std::vector<sim::World>> scanned = BuildScannedWorlds(file);
+    if (!scanned.ok()) throw std::runtime_error(scanned.error().message);
+    for (sim::World& world : scanned.value()) worlds.push_back(std::move(world));
+  }
+  return worlds;
+}
+
+/// Judges what the log does not have yet. The seeds of scanned worlds are their numbers.
 std::vector<Judgement> JudgeAll(const Order& order) {
+  const std::vector<sim::World> scanned = ReadScans(order.scans);
   std::vector<Judgement> judgements = ReadLog(order.log);
   std::set<std::uint64_t> left(order.seeds.begin(), order.seeds.end());
   if (order.seeds.empty()) {
-    for (int i = 0; i < order.worlds; ++i) left.insert(order.first_seed + static_cast<std::uint64_t>(i));
+    const std::uint64_t first = scanned.empty() ? order.first_seed : 0;
+    const std::uint64_t count = scanned.empty() ? static_cast<std::uint64_t>(order.worlds) : scanned.size();
+    for (std::uint64_t i = 0; i < count; ++i) left.insert(first + i);
   }
   for (const Judgement& judgement : judgements) left.erase(judgement.seed);
   const std::vector<std::uint64_t> seeds(left.begin(), left.end());
@@ -66,7 +81,7 @@ std::vector<Judgement> JudgeAll(const Order& order) {
   std::mutex telling;
   const auto work = [&] {
     for (std::size_t i = next++; i < seeds.size(); i = next++) {
-      sim::World world = sim::DrawNastyWorld(seeds[i]);
+      sim::World world = scanned.empty() ? sim::DrawNastyWorld(seeds[i]) : scanned.at(seeds[i]);
       world.camera.intrinsics = Resize(world.camera.intrinsics, order.width_px);
       const std::filesystem::path folder = order.out.empty() ? "" : order.out / world.name;
       const Judgement judgement = JudgeWorld(world, seeds[i], order.looks, folder);
@@ -181,6 +196,8 @@ int main(int argc, char** argv) {
   app.add_option("--width", order.width_px, "Of the pictures, in pixels")->check(CLI::Range(160, 4000));
   app.add_option("--looks", order.looks, "Pictures more, where the decision asks for them")
       ->check(CLI::Range(0, 20));
+  app.add_option("--scan", order.scans, "CityGML files of buildings with a passage, instead of drawn worlds")
+      ->check(CLI::ExistingFile);
   app.add_option("--log", order.log, "One line of JSON a world; those that are there are not judged again");
   app.add_option("--out", order.out, "Keeps worlds, surveys and analyses there");
   CLI11_PARSE(app, argc, argv);

@@ -52,13 +52,6 @@ Vector3d FindOrigin(const std::vector<CitySurface>& surfaces) {
   return {box.center().x(), box.center().y(), box.min().z()};
 }
 
-void AddFace(const Face& face, Mesh& mesh) {
-  const int first = static_cast<int>(mesh.vertices_m.size());
-  mesh.vertices_m.insert(mesh.vertices_m.end(), face.begin(), face.end());
-  for (int i = 2; i < static_cast<int>(face.size()); ++i)
-    mesh.triangles.push_back({first, first + i - 1, first + i});
-}
-
 /// Normal of a ring that need not be flat, as long as twice its area (M. Newell).
 Vector3d NormalOf(const std::vector<Vector3d>& ring) {
   Vector3d normal = Vector3d::Zero();
@@ -67,11 +60,25 @@ Vector3d NormalOf(const std::vector<Vector3d>& ring) {
   return normal;
 }
 
-/// The triangles of one polygon, seen from the same side, between its own corners, and where its sides cross.
-void AddPolygon(const std::vector<std::vector<Vector3d>>& rings, Mesh& mesh) {
+/// Nothing to see, nothing to touch.
+bool IsNeedle(const Face& face) {
   constexpr double kFlat_m2 = 1e-9;
+  return !(NormalOf(face).norm() > kFlat_m2);
+}
+
+void AddFace(const Face& face, Mesh& mesh) {
+  const int first = static_cast<int>(mesh.vertices_m.size());
+  mesh.vertices_m.insert(mesh.vertices_m.end(), face.begin(), face.end());
+  for (std::size_t i = 2; i < face.size(); ++i) {
+    const int last = first + static_cast<int>(i);
+    if (!IsNeedle({face[0], face[i - 1], face[i]})) mesh.triangles.push_back({first, last - 1, last});
+  }
+}
+
+/// The triangles of one polygon, seen from the same side, between its own corners, and where its sides cross.
+void AddPolygon(const std::vector<Face>& rings, Mesh& mesh) {
   const Vector3d normal = NormalOf(rings.at(0));
-  if (!(normal.norm() > kFlat_m2)) return;  // A needle: nothing to see, nothing to touch.
+  if (IsNeedle(rings[0])) return;
   const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(normal, Vector3d::UnitZ());
   const double height_m = (turn * rings[0][0]).z();
   std::map<std::pair<double, double>, Vector3d> corners;

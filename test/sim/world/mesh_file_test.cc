@@ -132,6 +132,24 @@ TEST(ReadMesh, CutsAHoleOfAnyShape) {
   EXPECT_THAT(Problem(house), HasSubstr("nothing is left of it"));
 }
 
+TEST(ReadMesh, LeavesNoNeedlesWhereTheTilesOfACutMeet) {
+  MeshFile house = Gatehouse();
+  house.only = {"back"};
+  Prism cut;
+  cut.is_lying = true;
+  cut.section.outer = {{-3, 1}, {-2, 1}, {-2, 3.3}, {-3, 3.3}};
+  cut.low_m = 2.0;
+  cut.high_m = 4.0;
+  house.cuts = {cut};
+  const Mesh mesh = Read(house);
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Eigen::Vector3d &p = mesh.vertices_m[static_cast<std::size_t>(a)],
+                          &q = mesh.vertices_m[static_cast<std::size_t>(b)],
+                          &r = mesh.vertices_m[static_cast<std::size_t>(c)];
+    EXPECT_GT((q - p).cross(r - p).norm(), 1e-9);
+  }
+}
+
 TEST(ReadMesh, RepairsOutlinesThatTouchThemselves) {
   const Scratch spike(Wall("0 0 0 4 0 0 4 0 2 4 0 3 4 0 2 0 0 2 0 0 0"));
   const Result<Mesh> mesh = ReadMesh(spike.Wanted(), std::filesystem::temp_directory_path());
