@@ -19,8 +19,6 @@ constexpr double kSameBuildingShare = 0.25;
 
 std::string InMetres(double value) { return Say(value, " m"); }
 
-std::string Place(const Eigen::Vector3d& p) { return Say("(", p.x(), ", ", p.y(), ", ", p.z(), ")"); }
-
 std::vector<Eigen::Vector2d> PlanOf(const Corridor& corridor) {
   std::vector<Eigen::Vector2d> plan;
   for (const Eigen::Vector3d& point : corridor.Path()) plan.push_back(point.head<2>());
@@ -75,6 +73,8 @@ struct Judge {
   const std::vector<Sight>& sights;
   const VehicleEnvelope& vehicle;
   const ClearanceOptions& options;
+
+  std::string Place(const Eigen::Vector3d& in_map_m) const { return SayPlace(scene.map_origin_m + in_map_m); }
 
   ClearanceDecision Start(int side) const {
     ClearanceDecision decision;

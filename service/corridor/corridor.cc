@@ -238,16 +238,15 @@ double PlaceStd(const Footprint& footprint) {
   return footprint.corner_std_m.empty() ? 0.0 : sum / static_cast<double>(footprint.corner_std_m.size());
 }
 
-std::string Describe(const std::vector<FreeLane>& lanes) {
+std::string Describe(const std::vector<FreeLane>& lanes, const Eigen::Vector3d& map_origin_m) {
   std::vector<const Obstacle*> named;
   std::string text;
   for (const FreeLane& lane : lanes) {
     for (const Obstacle* thing : lane.limits) {
       if (named.size() == kMaxNamed || std::find(named.begin(), named.end(), thing) != named.end()) continue;
       named.push_back(thing);
-      const Eigen::Vector3d& at = thing->base_in_map_m;
-      text += Say(text.empty() ? "" : "; ", "obstacle at (", at.x(), ", ", at.y(), ", ", at.z(), "), ",
-                  thing->height_m, " m high");
+      text += Say(text.empty() ? "" : "; ", "obstacle at ", SayPlace(map_origin_m + thing->base_in_map_m),
+                  ", ", thing->height_m, " m high");
     }
   }
   return text;
@@ -276,7 +275,7 @@ Corridor PlanCorridor(const Scene& scene, const Solid& solid, const Passage& pas
   corridor.free_height_m = room.Height_m();
   corridor.left_m = 0.5 * room.width_m + aside.x();
   corridor.floor_m = room.bottom_m;
-  corridor.limited_by = Describe(lanes);
+  corridor.limited_by = Describe(lanes, scene.map_origin_m);
   return corridor;
 }
 
@@ -287,6 +286,35 @@ std::vector<Eigen::Vector3d> Corridor::Path() const {
   path.insert(path.end(), bends_in_map_m.begin(), bends_in_map_m.end());
   path.push_back(exit_in_map_m);
   return path;
+}
+
+std::vector<Section> Corridor::Sections() const {
+  const std::vector<Eigen::Vector3d> path = Path();
+  const auto way = [&](std::size_t leg) { return (path[leg + 1] - path[leg]).head<2>().normalized(); };
+  std::vector<Section> sections;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const Eigen::Vector2d back = way(std::max<std::size_t>(i, 1) - 1);
+    const Eigen::Vector2d ahead = way(std::min(i, path.size() - 2));
+    const Eigen::Vector2d along = (back + ahead).normalized();
+    const Eigen::Vector2d left = Eigen::Vector2d(-along.y(), along.x()) / along.dot(ahead);
+    const auto corner = [&](double aside_m, double z) { return At(path[i].head<2>() + aside_m * left, z); };
+    const double right_m = left_m - free_width_m, top_m = floor_m + free_height_m;
+    sections.push_back(
+        {corner(left_m, floor_m), corner(right_m, floor_m), corner(right_m, top_m), corner(left_m, top_m)});
+  }
+  return sections;
+}
+
+std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> Corridor::Edges() const {
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> edges;
+  const std::vector<Section> sections = Sections();
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      edges.emplace_back(sections[i][k], sections[i][(k + 1) % 4]);
+      if (i > 0) edges.emplace_back(sections[i - 1][k], sections[i][k]);
+    }
+  }
+  return edges;
 }
 
 std::vector<Corridor> PlanCorridors(const Scene& scene, std::uint32_t object_id,

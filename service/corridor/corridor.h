@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "service/scene/scene.h"
@@ -28,6 +29,10 @@ struct Corridor {
   std::string limited_by;    ///< What stands in the passage and bounds that rectangle; empty: nothing does.
 
   std::vector<Eigen::Vector3d> Path() const;  ///< Entry, bends, exit.
+  /// The free rectangle at each point of the path, across it; mitred at the bends.
+  std::vector<Section> Sections() const;
+  /// The edges of these rectangles, and between them, as pairs of points.
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> Edges() const;
 };
 
 struct CorridorOptions {

@@ -210,7 +210,7 @@ Result<Observation> Observe(const Capture& capture, const PipelineOptions& optio
 
 Understanding Understand(const std::vector<Observation>& observations, const Reference& reference,
                          const VehicleEnvelope& vehicle, std::uint64_t revision,
-                         const PipelineOptions& options) {
+                         const PipelineOptions& options, const Eigen::Vector3d& map_origin_m) {
   Understanding all;
   HorizontalViews views = CollectHorizontalViews(observations);
   Shapings shapings;
@@ -240,6 +240,7 @@ Understanding Understand(const std::vector<Observation>& observations, const Ref
   const std::vector<Sight> sights = CollectSights(observations, views, objects);
   solids = FindFacePictures(std::move(solids), all.facades, sights);
   all.scene = BuildScene(revision, std::move(objects), std::move(solids), sights, options.scene);
+  all.scene.map_origin_m = map_origin_m;
   for (const SceneObject& object : all.scene.objects) {
     const std::uint32_t id = object.footprint.object_id;
     const bool is_modelled =

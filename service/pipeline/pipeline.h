@@ -67,6 +67,7 @@ struct Understanding {
 };
 Understanding Understand(const std::vector<Observation>& observations, const Reference& reference,
                          const VehicleEnvelope& vehicle, std::uint64_t revision,
-                         const PipelineOptions& options);
+                         const PipelineOptions& options,
+                         const Eigen::Vector3d& map_origin_m = Eigen::Vector3d::Zero());
 
 }  // namespace soffit

@@ -36,6 +36,7 @@ struct Obstacle {
 /// threads.
 struct Scene {
   std::uint64_t revision = 0;
+  Eigen::Vector3d map_origin_m = Eigen::Vector3d::Zero();  ///< In the coordinates that people are told.
   std::vector<SceneObject> objects;
   std::vector<Solid> solids;
   std::vector<Obstacle> obstacles;

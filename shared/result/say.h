@@ -15,4 +15,10 @@ std::string Say(const Parts&... parts) {
   return text.str();
 }
 
+/// "(1.00, 2.00, 0.70)"
+template <class Vector>
+std::string SayPlace(const Vector& p) {
+  return Say("(", p.x(), ", ", p.y(), ", ", p.z(), ")");
+}
+
 }  // namespace soffit

@@ -15,7 +15,7 @@ ANSWERS = [
     ("column 2 0.75", "height: 2.30 m"),
     ("object 1", "building 1: red"),
     ("objects --near 7 3 --range 1", "building 2: blue"),
-    ("clearance 1", "CLEAR, side 0"),
+    ("clearance 1", "side 0: CLEAR"),
     (f"way 2 -1 0.7 2 2 0.7 {SMALL}", "CLEAR"),
     (f"path 2 -1 0.7 2 2 0.7 {SMALL}", "CLEAR"),
     ("changes", "model 1: added"),

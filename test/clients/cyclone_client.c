@@ -108,10 +108,10 @@ static const soffit_wire_SceneReply* AskWell(const soffit_wire_SceneQuery* query
 static bool ConnectQuestions(void) {
   dds_qos_t* qos = Qos(false);
   const dds_entity_t topic =
-      dds_create_topic(participant, &soffit_wire_SceneQuery_desc, "soffit/scene_query/v2", NULL, NULL);
+      dds_create_topic(participant, &soffit_wire_SceneQuery_desc, "soffit/scene_query/v3", NULL, NULL);
   requests = dds_create_writer(participant, topic, qos, NULL);
   dds_delete_qos(qos);
-  replies = MakeReader(&soffit_wire_SceneReply_desc, "soffit/scene_reply/v2", false);
+  replies = MakeReader(&soffit_wire_SceneReply_desc, "soffit/scene_reply/v3", false);
   for (int i = 0; i < 1000; ++i) {
     dds_publication_matched_status_t readers;
     dds_subscription_matched_status_t writers;
@@ -221,9 +221,12 @@ static void CheckRos(void) {
 static void CheckOwnTopics(void) {
   Await(&soffit_wire_SceneObject_desc, "soffit/scene_object/v1", true);
   const soffit_wire_ClearanceDecision* decision =
-      Await(&soffit_wire_ClearanceDecision_desc, "soffit/clearance_decision/v1", true);
+      Await(&soffit_wire_ClearanceDecision_desc, "soffit/clearance_decision/v2", true);
   Check(decision != NULL && decision->verdict == soffit_wire_VERDICT_CLEAR && decision->has_corridor,
         "the decision is CLEAR and has a corridor");
+  Check(decision != NULL && decision->binding == soffit_wire_BOUND_LEFT && decision->distance_to_surface_m > 0.1 &&
+            decision->distance_to_surface_m < 1.0 && decision->corridor.bends_in_map_m._length == 0,
+        "it names the binding margin and the distance to the model");
   const soffit_wire_BuildingModel* model =
       Await(&soffit_wire_BuildingModel_desc, "soffit/building_model/v1", true);
   if (model == NULL) return;
@@ -275,8 +278,8 @@ static void CheckQuestions(void) {
   const double x = 0.5 * (entry.x + exit.x);
   const double y = 0.5 * (entry.y + exit.y);
   const double z = 0.5 * (entry.z + exit.z);
-  query.vehicle.radius_m = 50.0;
-  query.vehicle.height_m = 50.0;
+  query.vehicle.radius_m = 5.0;
+  query.vehicle.height_m = 5.0;
   query.id.sequence_number = ++asked;
   reply = AskWell(&query, "QUERY_CLEARANCE is answered for another vehicle");
   Check(reply != NULL && reply->decisions._length > 0 &&

@@ -107,6 +107,7 @@ inline Understanding ArchUnderstanding() {
   corridor.exit_in_map_m = {2.0, 3.1, 0.7};
   corridor.free_width_m = 1.6;
   corridor.free_height_m = 1.4;
+  corridor.left_m = 0.8;
   ClearanceDecision decision;
   decision.object_id = 1;
   decision.side = 0;
@@ -114,6 +115,10 @@ inline Understanding ArchUnderstanding() {
   decision.reason = "clear by 0.20 m";
   decision.corridor = corridor;
   decision.vehicle = {0.35, 0.30, 0.25};
+  decision.margin_left_m = decision.margin_right_m = 0.2;
+  decision.margin_up_m = decision.margin_down_m = 0.3;
+  decision.binding = Bound::kLeft;
+  decision.distances = {kDistanceReach_m, 0.35, 0.45};
   decision.seen_ratio = 1.0;
   decision.evidence = {2};
   all.decisions = {decision};

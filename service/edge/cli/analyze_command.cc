@@ -2,9 +2,9 @@
 #include <iostream>
 #include <memory>
 
+#include "service/clearance/describe.h"
 #include "service/edge/cli/analyze_folder.h"
 #include "service/edge/cli/commands.h"
-#include "service/edge/drawing/shapes.h"
 #include "service/edge/files/outputs.h"
 
 namespace soffit {

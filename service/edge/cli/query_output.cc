@@ -1,5 +1,7 @@
 #include "service/edge/cli/query_output.h"
 
+#include "service/clearance/describe.h"
+#include "service/edge/files/result.h"
 #include "shared/result/say.h"
 
 namespace soffit {
@@ -53,19 +55,9 @@ json ToJson(const SceneObject& object) {
 }
 
 json ToJson(const DecisionReport& report) {
-  const ClearanceDecision& decision = report.decision;
-  json all = {{"decision", ToString(decision.verdict)},
-              {"decision_id", decision.decision_id},
-              {"side", decision.side},
-              {"reason", decision.reason},
-              {"valid_until_utc_ns", report.valid_until_utc_ns},
-              {"seen_ratio", decision.seen_ratio}};
-  if (decision.corridor) {
-    all["entry"] = ToJson(decision.corridor->entry_in_map_m);
-    all["exit"] = ToJson(decision.corridor->exit_in_map_m);
-    all["free_width_m"] = decision.corridor->free_width_m;
-    all["free_height_m"] = decision.corridor->free_height_m;
-  }
+  json all = DecisionToJson(report.decision);
+  all["decision_id"] = report.decision.decision_id;
+  all["valid_until_utc_ns"] = report.valid_until_utc_ns;
   return all;
 }
 
@@ -117,11 +109,9 @@ void AddGrid(const CellGrid& grid, json& all) {
 
 // ---- For people ----
 
-std::string At(const Eigen::Vector3d& p) { return Say("(", p.x(), ", ", p.y(), ", ", p.z(), ")"); }
-
 std::string Describe(const char* what, const Nearest& nearest) {
   if (!nearest.is_found) return Say(what, ": none\n");
-  return Say(what, ": ", nearest.distance_m, " m, at ", At(nearest.point_in_map_m),
+  return Say(what, ": ", nearest.distance_m, " m, at ", SayPlace(nearest.point_in_map_m),
              nearest.object_id != 0 ? Say(", building ", nearest.object_id) : "", "\n");
 }
 
@@ -177,24 +167,21 @@ std::string DescribeDecisions(const SceneReply& reply) {
   std::string text;
   for (const DecisionReport& report : reply.decisions) {
     const ClearanceDecision& decision = report.decision;
-    text += Say(ToString(decision.verdict), ", side ", decision.side, ": ", decision.reason);
-    if (decision.corridor) {
-      text += Say("; from ", At(decision.corridor->entry_in_map_m), " to ",
-                  At(decision.corridor->exit_in_map_m), ", ", decision.corridor->free_width_m, " m wide, ",
-                  decision.corridor->free_height_m, " m high");
-    }
-    text += '\n';
+    text += Describe(decision) + '\n';
+    if (!decision.corridor) continue;
+    text += Say("  from ", SayPlace(decision.corridor->entry_in_map_m), " to ",
+                SayPlace(decision.corridor->exit_in_map_m), ": ", DescribeRoom(decision), "\n");
   }
   return text;
 }
 
 std::string DescribeWay(const SceneReply& reply) {
   std::string text = Say(ToString(reply.verdict), ": ", reply.message, "\n");
-  for (const Eigen::Vector3d& point : reply.path_in_map_m) text += "  " + At(point) + '\n';
+  for (const Eigen::Vector3d& point : reply.path_in_map_m) text += "  " + SayPlace(point) + '\n';
   if (!reply.cells.empty()) {
     text += Say(reply.cells.size(), reply.has_more ? " cells and more are" : " cells are",
                 " in the way; the first: ", ToString(reply.cells.front().occupancy), " at ",
-                At(reply.cells.front().center_in_map_m), "\n");
+                SayPlace(reply.cells.front().center_in_map_m), "\n");
   }
   return text;
 }
@@ -207,7 +194,8 @@ std::string DescribeChanges(const SceneReply& reply) {
   }
   text += Say(reply.changed_cells, " cells have changed");
   if (!reply.changed_in_map_m.isEmpty())
-    text += ", within " + At(reply.changed_in_map_m.min()) + " to " + At(reply.changed_in_map_m.max());
+    text += ", within " + SayPlace(reply.changed_in_map_m.min()) + " to " +
+            SayPlace(reply.changed_in_map_m.max());
   return text + '\n';
 }
 
@@ -293,11 +281,12 @@ std::string DescribeAnswer(SceneQueryKind kind, const SceneReply& reply) {
   switch (kind) {
     case SceneQueryKind::kPoint:
       return Say(ToString(reply.occupancy), ", a cell of ", reply.cells.at(0).size_m, " m about ",
-                 At(reply.cells.at(0).center_in_map_m), "\n");
+                 SayPlace(reply.cells.at(0).center_in_map_m), "\n");
     case SceneQueryKind::kBox:
       return DescribeBox(reply);
     case SceneQueryKind::kRay:
-      return Say(ToString(reply.ray), " after ", reply.distance_m, " m, at ", At(reply.point_in_map_m), "\n");
+      return Say(ToString(reply.ray), " after ", reply.distance_m, " m, at ", SayPlace(reply.point_in_map_m),
+                 "\n");
     case SceneQueryKind::kNearest:
       return Describe("nearest obstacle", reply.nearest_occupied) +
              Describe("nearest unknown", reply.nearest_unknown) +

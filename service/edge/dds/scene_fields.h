@@ -77,8 +77,10 @@ void Fields(Io& io, MessageOf<Io, wire::Corridor>& m, ValueOf<Io, Corridor>& v) 
   io("exit_wall", m.exit_wall(), v.exit_wall);
   io("entry_in_map_m", m.entry_in_map_m(), v.entry_in_map_m);
   io("exit_in_map_m", m.exit_in_map_m(), v.exit_in_map_m);
+  io("bends_in_map_m", m.bends_in_map_m(), v.bends_in_map_m);
   io("free_width_m", m.free_width_m(), v.free_width_m, AtLeast{0.0});
   io("free_height_m", m.free_height_m(), v.free_height_m, AtLeast{0.0});
+  io("left_m", m.left_m(), v.left_m);
   io("floor_m", m.floor_m(), v.floor_m);
   io("std_m", m.std_m(), v.std_m, AtLeast{0.0});
   io("limited_by", m.limited_by(), v.limited_by);
@@ -104,6 +106,10 @@ void Fields(Io& io, MessageOf<Io, wire::ClearanceDecision>& m, ValueOf<Io, Decis
   io("margin_right_m", m.margin_right_m(), v.margin_right_m);
   io("margin_up_m", m.margin_up_m(), v.margin_up_m);
   io("margin_down_m", m.margin_down_m(), v.margin_down_m);
+  io("binding", m.binding(), v.binding, Last{wire::BOUND_GROUND});
+  io("distance_to_occupied_m", m.distance_to_occupied_m(), v.distances.to_occupied_m, AtLeast{0.0});
+  io("distance_to_unknown_m", m.distance_to_unknown_m(), v.distances.to_unknown_m, AtLeast{0.0});
+  io("distance_to_surface_m", m.distance_to_surface_m(), v.distances.to_surface_m, AtLeast{0.0});
   io("seen_ratio", m.seen_ratio(), v.seen_ratio, AtLeast{0.0});
   io("evidence_capture_ids", m.evidence_capture_ids(), v.evidence);
   io.Optional("wanted_view", m.has_wanted_view(), m.wanted_view(), v.wanted);

@@ -57,7 +57,7 @@ struct BuildingModelTopic {
 struct ClearanceDecisionTopic {
   using Value = DecisionReport;
   using Support = wire::ClearanceDecisionPubSubType;
-  static constexpr const char* kName = "soffit/clearance_decision/v1";
+  static constexpr const char* kName = "soffit/clearance_decision/v2";
   static constexpr TopicKind kKind = TopicKind::kLatched;
   static wire::ClearanceDecision ToWire(const DecisionReport& value);
   static Result<DecisionReport> FromWire(const wire::ClearanceDecision& message);
@@ -66,7 +66,7 @@ struct ClearanceDecisionTopic {
 struct SceneQueryTopic {
   using Value = SceneQuery;
   using Support = wire::SceneQueryPubSubType;
-  static constexpr const char* kName = "soffit/scene_query/v2";
+  static constexpr const char* kName = "soffit/scene_query/v3";
   static constexpr TopicKind kKind = TopicKind::kQuery;
   static wire::SceneQuery ToWire(const SceneQuery& value);
   /// Never an error: see SceneQuery::problem.
@@ -76,7 +76,7 @@ struct SceneQueryTopic {
 struct SceneReplyTopic {
   using Value = SceneReply;
   using Support = wire::SceneReplyPubSubType;
-  static constexpr const char* kName = "soffit/scene_reply/v2";
+  static constexpr const char* kName = "soffit/scene_reply/v3";
   static constexpr TopicKind kKind = TopicKind::kQuery;
   static wire::SceneReply ToWire(const SceneReply& value);
   static Result<SceneReply> FromWire(const wire::SceneReply& message);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "service/clearance/describe.h"
 #include "service/edge/drawing/canvas.h"
 #include "service/edge/drawing/shapes.h"
 #include "service/footprint/wireframe.h"
@@ -108,12 +109,11 @@ class Overlay {
   void DrawCorridor(const ClearanceDecision& decision) {
     const bool is_clear = decision.verdict == Verdict::kClear;
     const Stroke& stroke = is_clear ? kClear : kRefused;
-    for (const auto& edge : BoxEdges(CorridorBox(*decision.corridor)))
-      Draw3d({edge.first, edge.second}, stroke, false);
-    const Eigen::Vector3d& entry = decision.corridor->entry_in_map_m;
-    const Eigen::Vector3d& exit = decision.corridor->exit_in_map_m;
-    for (const PixelLine& line : ProjectLine(view_, {entry, exit}, false)) {
-      canvas_.DrawArrow(line.front(), line.back(), stroke);
+    for (const auto& [from, to] : decision.corridor->Edges()) Draw3d({from, to}, stroke, false);
+    const std::vector<Eigen::Vector3d> path = decision.corridor->Path();
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+      for (const PixelLine& line : ProjectLine(view_, {path[i], path[i + 1]}, false))
+        canvas_.DrawArrow(line.front(), line.back(), stroke);
     }
   }
 

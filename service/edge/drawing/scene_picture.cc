@@ -8,6 +8,7 @@
 #include <numbers>
 #include <thread>
 
+#include "service/clearance/describe.h"
 #include "service/edge/drawing/canvas.h"
 #include "service/edge/drawing/ray_scene.h"
 #include "service/edge/drawing/shapes.h"
@@ -71,9 +72,9 @@ double NoiseOf(int x, int y) {
   return outer - std::floor(outer);
 }
 
-/// The free space of a corridor as a glass box.
+/// The free space of one leg of a corridor, as glass.
 struct Glass {
-  std::array<Eigen::Vector3d, 8> corners;
+  Section near, far;
   cv::Vec3f color;
 
   /// Where the ray goes in and out.
@@ -81,15 +82,15 @@ struct Glass {
                                                 const Eigen::Vector3d& direction) const {
     double in = -std::numeric_limits<double>::infinity();
     double out = std::numeric_limits<double>::infinity();
-    for (const std::size_t neighbour : {1U, 3U, 4U}) {
-      const Eigen::Vector3d axis = corners[neighbour] - corners[0];
-      const double slope = direction.dot(axis);
-      const double start = (from - corners[0]).dot(axis);
-      const double a = -start / slope;
-      const double b = (axis.squaredNorm() - start) / slope;
-      in = std::max(in, std::min(a, b));
-      out = std::min(out, std::max(a, b));
-    }
+    const auto cut = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+      const Eigen::Vector3d outward = (b - a).cross(c - a);
+      const double slope = direction.dot(outward);
+      const double at = (a - from).dot(outward) / slope;
+      (slope > 0.0 ? out : in) = slope > 0.0 ? std::min(out, at) : std::max(in, at);
+    };
+    cut(near[0], near[1], near[2]);
+    cut(far[0], far[2], far[1]);
+    for (std::size_t i = 0; i < 4; ++i) cut(near[i], far[i], near[(i + 1) % 4]);
     if (!(in < out)) return std::nullopt;
     return std::make_pair(in, out);
   }
@@ -119,7 +120,9 @@ class ScenePicture {
     for (const ClearanceDecision& decision : shown_) {
       const Stroke& stroke = StrokeOf(decision);
       const cv::Vec3d color(stroke.color[0], stroke.color[1], stroke.color[2]);
-      glasses_.push_back({CorridorBox(*decision.corridor), cv::Vec3f(color / 255.0)});
+      const std::vector<Section> sections = decision.corridor->Sections();
+      for (std::size_t i = 0; i + 1 < sections.size(); ++i)
+        glasses_.push_back({sections[i], sections[i + 1], cv::Vec3f(color / 255.0)});
     }
   }
 
@@ -164,7 +167,9 @@ class ScenePicture {
       }
     }
     for (const ClearanceDecision& decision : shown_) {
-      for (const Eigen::Vector3d& corner : CorridorBox(*decision.corridor)) box.extend(corner);
+      for (const Section& section : decision.corridor->Sections()) {
+        for (const Eigen::Vector3d& corner : section) box.extend(corner);
+      }
     }
     if (box.isEmpty()) box = Eigen::AlignedBox3d(Eigen::Vector3d(-5, -5, 0), Eigen::Vector3d(5, 5, 2));
     const Eigen::Vector3d border = 0.15 * Eigen::Vector3d(box.sizes().x(), box.sizes().y(), 0.0);
@@ -387,9 +392,7 @@ class ScenePicture {
     }
     for (const Observation& seen : observations_) DrawCamera(canvas, seen.image.view);
     for (const ClearanceDecision& decision : shown_) {
-      for (const auto& [a, b] : BoxEdges(CorridorBox(*decision.corridor))) {
-        Draw3d(canvas, {a, b}, StrokeOf(decision), true);
-      }
+      for (const auto& [a, b] : decision.corridor->Edges()) Draw3d(canvas, {a, b}, StrokeOf(decision), true);
       const auto entry = Project(view_, decision.corridor->entry_in_map_m);
       const auto exit = Project(view_, decision.corridor->exit_in_map_m);
       if (entry) canvas.DrawLabel(*entry, "entry", StrokeOf(decision).color);

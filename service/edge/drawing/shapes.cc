@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "service/edge/drawing/canvas.h"
-
 namespace soffit {
 
 Ring3 Lift(const Ring& ring, double height_m) {
@@ -26,34 +24,6 @@ Eigen::Vector3d PolygonNormal(const Ring3& ring) {
   return normal.normalized();
 }
 
-std::array<Eigen::Vector3d, 8> CorridorBox(const Corridor& corridor) {
-  const Eigen::Vector3d& entry = corridor.entry_in_map_m;
-  const Eigen::Vector3d& exit = corridor.exit_in_map_m;
-  const Eigen::Vector3d along = (exit - entry).normalized();
-  const Eigen::Vector3d left = Eigen::Vector3d::UnitZ().cross(along) * corridor.free_width_m / 2.0;
-  std::array<Eigen::Vector3d, 8> box;
-  for (std::size_t end = 0; end < 2; ++end) {
-    Eigen::Vector3d foot = end == 0 ? entry : exit;
-    foot.z() = corridor.floor_m;
-    const Eigen::Vector3d head = foot + corridor.free_height_m * Eigen::Vector3d::UnitZ();
-    box[4 * end] = foot + left;
-    box[4 * end + 1] = foot - left;
-    box[4 * end + 2] = head - left;
-    box[4 * end + 3] = head + left;
-  }
-  return box;
-}
-
-std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> BoxEdges(const std::array<Eigen::Vector3d, 8>& box) {
-  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> edges;
-  for (std::size_t i = 0; i < 4; ++i) {
-    edges.emplace_back(box[i], box[(i + 1) % 4]);
-    edges.emplace_back(box[4 + i], box[4 + (i + 1) % 4]);
-    edges.emplace_back(box[i], box[4 + i]);
-  }
-  return edges;
-}
-
 std::vector<ClearanceDecision> ChooseShownDecisions(const std::vector<ClearanceDecision>& decisions) {
   std::vector<ClearanceDecision> sorted = decisions;
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
@@ -73,17 +43,6 @@ std::vector<ClearanceDecision> ChooseShownDecisions(const std::vector<ClearanceD
     if (!is_known) shown.push_back(decision);
   }
   return shown;
-}
-
-std::string Describe(const ClearanceDecision& decision) {
-  std::string text = "Building " + std::to_string(decision.object_id);
-  if (decision.side >= 0) text += ", side " + std::to_string(decision.side);
-  text += std::string(": ") + ToString(decision.verdict);
-  if (decision.corridor) {
-    text += ", free " + FormatNumber(decision.corridor->free_width_m, 2) + " m wide, " +
-            FormatNumber(decision.corridor->free_height_m, 2) + " m high";
-  }
-  return text + " (" + decision.reason + ")";
 }
 
 }  // namespace soffit

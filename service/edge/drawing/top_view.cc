@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "service/clearance/describe.h"
 #include "service/edge/drawing/canvas.h"
 #include "service/edge/drawing/shapes.h"
 
@@ -84,8 +85,8 @@ class TopView {
     for (const Eigen::Vector3d& point : track_) box.extend(Eigen::Vector2d(point.head<2>()));
     for (const ClearanceDecision& decision : all_.decisions) {
       if (!decision.corridor) continue;
-      box.extend(Eigen::Vector2d(decision.corridor->entry_in_map_m.head<2>()));
-      box.extend(Eigen::Vector2d(decision.corridor->exit_in_map_m.head<2>()));
+      for (const Eigen::Vector3d& point : decision.corridor->Path())
+        box.extend(Eigen::Vector2d(point.head<2>()));
     }
     for (const ClearanceDecision& decision : all_.decisions) {
       if (decision.wanted) box.extend(Eigen::Vector2d(decision.wanted->position_in_map_m.head<2>()));
@@ -162,12 +163,14 @@ class TopView {
 
   void DrawCorridor(const ClearanceDecision& decision) {
     const Stroke& stroke = decision.verdict == Verdict::kClear ? kClear : kRefused;
-    const auto box = CorridorBox(*decision.corridor);
-    const PixelLine area = {ToPixel(box[0].head<2>()), ToPixel(box[1].head<2>()), ToPixel(box[5].head<2>()),
-                            ToPixel(box[4].head<2>())};
+    const std::vector<Section> sections = decision.corridor->Sections();
+    PixelLine area;
+    for (const Section& section : sections) area.push_back(ToPixel(section[0].head<2>()));
+    for (std::size_t i = sections.size(); i-- > 0;) area.push_back(ToPixel(sections[i][1].head<2>()));
     canvas_.Fill({area}, stroke.color, 0.2);
-    canvas_.DrawArrow(ToPixel(decision.corridor->entry_in_map_m.head<2>()),
-                      ToPixel(decision.corridor->exit_in_map_m.head<2>()), stroke);
+    const std::vector<Eigen::Vector3d> path = decision.corridor->Path();
+    for (std::size_t i = 0; i + 1 < path.size(); ++i)
+      canvas_.DrawArrow(ToPixel(path[i].head<2>()), ToPixel(path[i + 1].head<2>()), stroke);
   }
 
   void DrawTrack() {

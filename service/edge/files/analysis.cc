@@ -52,7 +52,8 @@ Result<Analysis> Analyze(const std::filesystem::path& folder, const Survey& surv
     return Error{Error::Code::kNotFound, "no picture of the survey can be used: " +
                                              (problems.empty() ? "it has none" : problems.front())};
   }
-  analysis.understanding = Understand(analysis.observations, reference, survey.vehicle, 1, options);
+  analysis.understanding =
+      Understand(analysis.observations, reference, survey.vehicle, 1, options, survey.map_origin_m);
   problems.insert(problems.end(), analysis.understanding.problems.begin(),
                   analysis.understanding.problems.end());
   analysis.understanding.problems = std::move(problems);

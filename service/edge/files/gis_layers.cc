@@ -147,6 +147,10 @@ GisLayer DescribeDecisions(const std::vector<ClearanceDecision>& decisions) {
                   {"margin_right_m", GisType::kReal},
                   {"margin_up_m", GisType::kReal},
                   {"margin_down_m", GisType::kReal},
+                  {"binding", GisType::kText},
+                  {"to_occupied_m", GisType::kReal},
+                  {"to_unknown_m", GisType::kReal},
+                  {"to_surface_m", GisType::kReal},
                   {"evidence", GisType::kText}},
                  {}};
   for (const ClearanceDecision& decision : decisions) {
@@ -154,7 +158,8 @@ GisLayer DescribeDecisions(const std::vector<ClearanceDecision>& decisions) {
         {{},
          {Id(decision.object_id), std::int64_t{decision.side}, ToString(decision.verdict), decision.reason,
           decision.seen_ratio, decision.margin_left_m, decision.margin_right_m, decision.margin_up_m,
-          decision.margin_down_m, List(decision.evidence)}});
+          decision.margin_down_m, ToString(decision.binding), decision.distances.to_occupied_m,
+          decision.distances.to_unknown_m, decision.distances.to_surface_m, List(decision.evidence)}});
   }
   return layer;
 }

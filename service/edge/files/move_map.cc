@@ -59,6 +59,7 @@ class Mover {
 Analysis MoveMap(Analysis analysis, const Eigen::Vector3d& origin_m) {
   const Mover mover(origin_m);
   Understanding& all = analysis.understanding;
+  all.scene.map_origin_m -= origin_m;
   mover.Move(analysis.observations);
   mover.Move(all.scene.objects);
   mover.Move(all.scene.solids);

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "service/clearance/describe.h"
 #include "service/edge/drawing/canvas.h"
-#include "service/edge/drawing/shapes.h"
 #include "service/edge/files/file.h"
 #include "service/edge/files/pictures.h"
 
@@ -114,27 +114,15 @@ std::string JsonTables(const Json& json) {
 std::string Decisions(const Understanding& all) {
   std::vector<Row> rows;
   for (const ClearanceDecision& decision : all.decisions) {
-    Row row = {std::to_string(decision.object_id),
-               decision.side < 0 ? "all" : std::to_string(decision.side),
-               Badge(decision.verdict),
-               Escape(decision.reason),
-               "",
-               "",
-               ""};
-    if (decision.corridor) {
-      row[4] = FormatNumber(decision.corridor->free_width_m, 2) + " x " +
-               FormatNumber(decision.corridor->free_height_m, 2);
-      row[5] = FormatNumber(decision.margin_left_m, 2) + ", " + FormatNumber(decision.margin_right_m, 2) +
-               ", " + FormatNumber(decision.margin_up_m, 2) + ", " + FormatNumber(decision.margin_down_m, 2);
-    }
+    std::string pictures;
     for (const std::uint32_t capture : decision.evidence)
-      row[6] += (row[6].empty() ? "" : ", ") + std::to_string(capture);
-    rows.push_back(row);
+      pictures += (pictures.empty() ? "" : ", ") + std::to_string(capture);
+    rows.push_back({std::to_string(decision.object_id),
+                    decision.side < 0 ? "all" : std::to_string(decision.side), Badge(decision.verdict),
+                    Escape(decision.reason), Escape(DescribeRoom(decision)), pictures});
   }
   if (rows.empty()) return "<p>No decision was made.</p>\n";
-  return Table({"building", "side", "decision", "reason", "free width x height [m]",
-                "margins left, right, up, down [m]", "pictures"},
-               rows);
+  return Table({"building", "side", "decision", "reason", "room", "pictures"}, rows);
 }
 
 std::string Buildings(const Scene& scene) {

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <iomanip>
 #include <locale>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 
@@ -109,33 +108,6 @@ Json ViewpointToJson(const Viewpoint& viewpoint) {
           {"reason", viewpoint.reason}};
 }
 
-Json DecisionToJson(const ClearanceDecision& decision) {
-  Json json = {{"object", IdOf(decision.object_id)},
-               {"side", decision.side},
-               {"decision", ToString(decision.verdict)},
-               {"reason", decision.reason}};
-  if (decision.corridor) {
-    json["entry"] = PointToJson(decision.corridor->entry_in_map_m);
-    json["exit"] = PointToJson(decision.corridor->exit_in_map_m);
-    json["free_width_m"] = decision.corridor->free_width_m;
-    json["free_height_m"] = decision.corridor->free_height_m;
-    json["std_m"] = decision.corridor->std_m;
-    json["margins_m"] = {{"left", decision.margin_left_m},
-                         {"right", decision.margin_right_m},
-                         {"up", decision.margin_up_m},
-                         {"down", decision.margin_down_m}};
-    json["binding"] = ToString(decision.binding);
-    json["distances_m"] = {{"occupied", decision.distances.to_occupied_m},
-                           {"unknown", decision.distances.to_unknown_m},
-                           {"surface", decision.distances.to_surface_m}};
-    json["bends"] = PointsToJson(decision.corridor->bends_in_map_m);
-  }
-  json["seen_ratio"] = decision.seen_ratio;
-  json["evidence"] = decision.evidence;
-  if (decision.wanted) json["wanted"] = ViewpointToJson(*decision.wanted);
-  return json;
-}
-
 Json PictureToJson(const Image& image) {
   return {{"capture", image.capture_id},
           {"file", image.name},
@@ -183,6 +155,33 @@ std::string ToObj(const Solid& solid) {
 }
 
 }  // namespace
+
+nlohmann::ordered_json DecisionToJson(const ClearanceDecision& decision) {
+  Json json = {{"object", IdOf(decision.object_id)},
+               {"side", decision.side},
+               {"decision", ToString(decision.verdict)},
+               {"reason", decision.reason}};
+  if (decision.corridor) {
+    json["entry"] = PointToJson(decision.corridor->entry_in_map_m);
+    json["exit"] = PointToJson(decision.corridor->exit_in_map_m);
+    json["free_width_m"] = decision.corridor->free_width_m;
+    json["free_height_m"] = decision.corridor->free_height_m;
+    json["std_m"] = decision.corridor->std_m;
+    json["margins_m"] = {{"left", decision.margin_left_m},
+                         {"right", decision.margin_right_m},
+                         {"up", decision.margin_up_m},
+                         {"down", decision.margin_down_m}};
+    json["binding"] = ToString(decision.binding);
+    json["distances_m"] = {{"occupied", decision.distances.to_occupied_m},
+                           {"unknown", decision.distances.to_unknown_m},
+                           {"surface", decision.distances.to_surface_m}};
+    json["bends"] = PointsToJson(decision.corridor->bends_in_map_m);
+  }
+  json["seen_ratio"] = decision.seen_ratio;
+  json["evidence"] = decision.evidence;
+  if (decision.wanted) json["wanted"] = ViewpointToJson(*decision.wanted);
+  return json;
+}
 
 Status WriteResult(const fs::path& folder, const Understanding& understanding,
                    const std::vector<Observation>& observations, const FlightRecord& flight) {

@@ -2,6 +2,8 @@
 
 #include <map>
 
+#include "service/clearance/describe.h"
+
 namespace soffit::ros {
 namespace {
 
@@ -54,27 +56,9 @@ std::vector<Eigen::Vector3d> ClosedAt(const Ring& ring, double height_m) {
   return Closed(std::move(points));
 }
 
-/// The four edges of the free rectangle along the corridor, and its two ends, as pairs of points.
 std::vector<Eigen::Vector3d> Edges(const Corridor& corridor) {
-  const Eigen::Vector3d way_m = corridor.exit_in_map_m - corridor.entry_in_map_m;
-  const Eigen::Vector3d left = Eigen::Vector3d(-way_m.y(), way_m.x(), 0.0).normalized();
-  std::vector<Eigen::Vector3d> corners_m;
-  for (const double aside_m : {corridor.left_m, corridor.left_m - corridor.free_width_m}) {
-    Eigen::Vector3d foot_m = corridor.entry_in_map_m + aside_m * left;
-    foot_m.z() = corridor.floor_m;
-    corners_m.push_back(foot_m);
-    corners_m.push_back(foot_m + corridor.free_height_m * Eigen::Vector3d::UnitZ());
-  }
-  std::swap(corners_m[2], corners_m[3]);  // Around the rectangle.
   std::vector<Eigen::Vector3d> pairs_m;
-  for (std::size_t i = 0; i < corners_m.size(); ++i) {
-    const Eigen::Vector3d& next_m = corners_m[(i + 1) % corners_m.size()];
-    for (const Eigen::Vector3d& point_m :
-         {corners_m[i], next_m, Eigen::Vector3d(corners_m[i] + way_m), Eigen::Vector3d(next_m + way_m),
-          corners_m[i], Eigen::Vector3d(corners_m[i] + way_m)}) {
-      pairs_m.push_back(point_m);
-    }
-  }
+  for (const auto& [from_m, to_m] : corridor.Edges()) pairs_m.insert(pairs_m.end(), {from_m, to_m});
   return pairs_m;
 }
 
@@ -118,8 +102,9 @@ class Drawing {
 void DrawFootprint(const Footprint& footprint, Drawing& drawing) {
   const ColorRGBA_ color = ColorOf(footprint.color);
   drawing.AddLine("footprints", color, ClosedAt(footprint.polygon_in_map_m.outer, 0.0));
-  if (footprint.height_m > 0.0)
-    drawing.AddLine("footprints", color, ClosedAt(footprint.polygon_in_map_m.outer, footprint.height_m));
+  const Ring& outer = footprint.polygon_in_map_m.outer;
+  const Ring roof = footprint.levels.empty() ? outer : InsetRing(outer, footprint.levels.back().inset_m);
+  if (footprint.height_m > 0.0) drawing.AddLine("footprints", color, ClosedAt(roof, footprint.height_m));
   for (const Ring& hole : footprint.polygon_in_map_m.holes)
     drawing.AddLine("footprints", color, ClosedAt(hole, 0.0));
 }
@@ -149,6 +134,7 @@ void DrawObstacle(const Obstacle& obstacle, Drawing& drawing) {
 void DrawDecision(const ClearanceDecision& decision, const Scene& scene, Drawing& drawing) {
   const ColorRGBA_ color = ColorOf(decision.verdict);
   if (decision.corridor) {
+    drawing.AddLine("corridor_paths", color, decision.corridor->Path());
     drawing.AddPoints("corridors", constants::LINE_LIST_, color, {kLineWidth_m, 0, 0},
                       Edges(*decision.corridor));
   }
@@ -160,7 +146,8 @@ void DrawDecision(const ClearanceDecision& decision, const Scene& scene, Drawing
         object.footprint.height_m + kTextAbove_m + (decision.side + 1) * 1.5 * kTextHeight_m;
     Marker_& text = drawing.Add("decisions", constants::TEXT_VIEW_FACING_, color, {0, 0, kTextHeight_m});
     text.pose_(MakePose({center_m.x(), center_m.y(), height_m}, Eigen::Quaterniond::Identity()));
-    text.text_(std::string(ToString(decision.verdict)) + ": " + decision.reason);
+    text.text_(std::string(ToString(decision.verdict)) + ": " + decision.reason + "\n" +
+               DescribeRoom(decision));
   }
 }
 

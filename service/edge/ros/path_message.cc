@@ -22,7 +22,7 @@ Path_ MakePath(std::int64_t stamp_utc_ns, const std::vector<Eigen::Vector3d>& po
 Path_ MakeCorridorPath(std::int64_t stamp_utc_ns, const std::vector<ClearanceDecision>& decisions) {
   for (const ClearanceDecision& decision : decisions) {
     if (decision.verdict != Verdict::kClear || !decision.corridor) continue;
-    return MakePath(stamp_utc_ns, {decision.corridor->entry_in_map_m, decision.corridor->exit_in_map_m});
+    return MakePath(stamp_utc_ns, decision.corridor->Path());
   }
   return MakePath(stamp_utc_ns, {});
 }

@@ -14,6 +14,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 const VehicleEnvelope kVehicle{0.35, 0.30, 0.25};
+const Eigen::Vector3d kMapOrigin_m(690000.0, 5335000.0, 510.0);
 const std::vector<View> kAllSides = {test::FromSouth(), test::FromNorth(), test::FromEast(),
                                      test::FromWest()};
 
@@ -35,7 +36,8 @@ std::vector<ClearanceDecision> JudgeThings(const Footprint& footprint, const std
     objects.back().footprint.object_id = 2;
     objects.back().footprint.polygon_in_map_m.outer = other;
   }
-  const Scene scene = BuildScene(1, objects, {solid}, aligned.sights, {});
+  Scene scene = BuildScene(1, objects, {solid}, aligned.sights, {});
+  scene.map_origin_m = kMapOrigin_m;
   return JudgeClearance(scene, 1, PlanCorridors(scene, 1, kVehicle, {}), aligned.sights, kVehicle, options);
 }
 
@@ -199,7 +201,7 @@ TEST(JudgeClearance, BlocksAPoleInFront) {
   const Thing pole = test::Block(test::Box(-0.05, -1.3, 0.05, -1.2), 0.0, 2.5, {30, 60, 30});
   const auto decisions = Judge({}, kAllSides, {pole});
   EXPECT_EQ(decisions[0].verdict, Verdict::kBlocked) << decisions[0].reason;
-  EXPECT_THAT(decisions[0].reason, HasSubstr("obstacle at"));
+  EXPECT_THAT(decisions[0].reason, HasSubstr("obstacle at (690"));
 }
 
 TEST(JudgeClearance, BlocksABuildingRightBehindTheExit) {

@@ -143,6 +143,24 @@ TEST(PlanCorridors, HasNoHeightWhereNoLevelLineLeadsThrough) {
   EXPECT_NEAR(corridors[0].free_width_m, 2.0, 1e-9);
 }
 
+TEST(Corridor, KeepsItsWidthAroundABend) {
+  Corridor corridor;
+  corridor.entry_in_map_m = {0, 0, 1};
+  corridor.bends_in_map_m = {{5, 0, 1}};
+  corridor.exit_in_map_m = {5, 4, 1};
+  corridor.left_m = 0.5;
+  corridor.free_width_m = 2.0;
+  corridor.free_height_m = 1.5;
+  corridor.floor_m = 0.2;
+  const std::vector<Section> sections = corridor.Sections();
+  ASSERT_EQ(sections.size(), 3U);
+  EXPECT_TRUE(sections[0][0].isApprox(Eigen::Vector3d(0, 0.5, 0.2)));
+  EXPECT_TRUE(sections[1][0].isApprox(Eigen::Vector3d(4.5, 0.5, 0.2)));
+  EXPECT_TRUE(sections[1][1].isApprox(Eigen::Vector3d(6.5, -1.5, 0.2)));
+  EXPECT_TRUE(sections[2][2].isApprox(Eigen::Vector3d(6.5, 4, 1.7)));
+  EXPECT_EQ(corridor.Edges().size(), 20U);
+}
+
 TEST(FindWidestLane, NeverLeadsBackwards) {
   // Seen from the side, the second one lies before the first one, and more of them behind each other.
   const std::vector<Section> sections = {Upright({0, 0}, {1, 1}, 1.5), Upright({0.9, 0.5}, {1.9, 1.2}, 1.5)};
@@ -214,6 +232,15 @@ TEST(PlanCorridors, GoesBesideAPole) {
   ASSERT_THAT(corridors, SizeIs(1));
   EXPECT_NEAR(corridors[0].free_width_m, 1.65, 1e-6);
   EXPECT_THAT(corridors[0].limited_by, HasSubstr("obstacle at (1.30, -0.50, 0.00)"));
+}
+
+TEST(PlanCorridors, NamesPlacesInTheCoordinatesThatPeopleAreTold) {
+  Scene scene = WithPassage({Pillar({1.3, -0.5, 0}, 0.05, 2.0)});
+  scene.map_origin_m = {691000.0, 5335000.0, 510.0};
+  const auto corridors = PlanCorridors(scene, 7, kVehicle, {});
+  ASSERT_THAT(corridors, SizeIs(1));
+  EXPECT_THAT(corridors[0].limited_by, HasSubstr("obstacle at (691001.30, 5334999.50, 510.00)"));
+  EXPECT_NEAR(corridors[0].entry_in_map_m.x(), 2.2, 0.5);  // Numbers stay in the map.
 }
 
 TEST(PlanCorridors, NamesAllThatBoundsItAndNothingElse) {

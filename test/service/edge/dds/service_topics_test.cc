@@ -28,8 +28,12 @@ DecisionReport SomeDecision() {
   decision.corridor.emplace();
   decision.corridor->object_id = 2;
   decision.corridor->entry_in_map_m = {1, 2, 3};
+  decision.corridor->bends_in_map_m = {{1, 4, 3}, {2, 6, 3}};
   decision.corridor->free_width_m = 1.7;
+  decision.corridor->left_m = 0.8;
   decision.margin_up_m = -0.1;
+  decision.binding = Bound::kGround;
+  decision.distances = {0.31, 0.22, 0.13};
   decision.evidence = {4, 5};
   decision.scene_revision = 9;
   return report;
@@ -48,9 +52,26 @@ TEST(ClearanceDecisionTopic, KeepsEverythingThroughTheWire) {
   ASSERT_TRUE(got.corridor.has_value());
   EXPECT_EQ(got.corridor->entry_in_map_m, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(got.corridor->object_id, 2u);
+  EXPECT_EQ(got.corridor->bends_in_map_m, sent.decision.corridor->bends_in_map_m);
+  EXPECT_EQ(got.corridor->left_m, 0.8);
   EXPECT_EQ(got.margin_up_m, -0.1);
+  EXPECT_EQ(got.binding, Bound::kGround);
+  EXPECT_EQ(got.distances.to_occupied_m, 0.31);
+  EXPECT_EQ(got.distances.to_unknown_m, 0.22);
+  EXPECT_EQ(got.distances.to_surface_m, 0.13);
   EXPECT_EQ(got.evidence, sent.decision.evidence);
   EXPECT_FALSE(got.wanted.has_value());
+}
+
+TEST(ClearanceDecisionTopic, IsBelowOneKilobyteAsARule) {
+  DecisionReport sent = SomeDecision();
+  sent.decision.reason =
+      "too close to call: 0.05 m to spare in width, 0.31 m in height, least margin -0.02 m (left)";
+  sent.decision.evidence.resize(30);
+  sent.decision.wanted.emplace();
+  sent.decision.wanted->reason = "along the corridor, to see whether it is free";
+  const wire::ClearanceDecision message = ClearanceDecisionTopic::ToWire(sent);
+  EXPECT_LT(wire::ClearanceDecision::getCdrSerializedSize(message), 1024U);
 }
 
 TEST(ClearanceDecisionTopic, AnEmptyMessageIsInsufficientData) {

@@ -85,6 +85,9 @@ TEST_F(OutputsTest, WriteResultTellsWhatWasUnderstood) {
   EXPECT_EQ(decision["decision"], "CLEAR");
   EXPECT_EQ(decision["entry"], json::parse("[2.0,-1.6,0.7]"));
   EXPECT_EQ(decision["free_width_m"], 1.6);
+  EXPECT_EQ(decision["binding"], "left");
+  EXPECT_EQ(decision["distances_m"], json::parse(R"({"occupied": 1.0, "unknown": 0.35, "surface": 0.45})"));
+  EXPECT_EQ(decision["bends"], json::array());
   EXPECT_FALSE(result.contains("mission"));
 }
 
@@ -357,6 +360,14 @@ TEST_F(OutputsTest, AMissionWithoutAnyPictureHasAResultAndAReport) {
   EXPECT_THAT(html, HasSubstr("the autopilot does not arm"));
   EXPECT_THAT(html, HasSubstr("no picture arrived"));
   EXPECT_THAT(html, Not(HasSubstr("<img")));
+}
+
+TEST_F(OutputsTest, ReportTellsTheBindingMarginTheDistancesAndTheBends) {
+  all_.decisions[0].corridor->bends_in_map_m = {{2.1, 0.7, 0.7}};
+  ASSERT_TRUE(WriteReport(folder_, all_, observations_, {}, "").ok());
+  const std::string html = Read(folder_ / "report.html");
+  EXPECT_THAT(html, HasSubstr("least at the left"));
+  EXPECT_THAT(html, HasSubstr("to occupied over 1.00 m, to unknown 0.35 m, to the model 0.45 m; 1 bend"));
 }
 
 TEST_F(OutputsTest, ReportShowsReasonsAsTextOnly) {

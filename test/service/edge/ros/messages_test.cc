@@ -94,7 +94,10 @@ TEST(MakeSceneMarkers, DrawsEverythingOfTheScene) {
   ASSERT_THAT(Named(all, "corridors"), SizeIs(1));
   EXPECT_THAT(Named(all, "corridors")[0].points_(), SizeIs(24)) << "twelve edges of a box";
   ASSERT_THAT(Named(all, "decisions"), SizeIs(1));
-  EXPECT_EQ(Named(all, "decisions")[0].text_(), "CLEAR: clear by 0.20 m");
+  EXPECT_EQ(
+      Named(all, "decisions")[0].text_(),
+      "CLEAR: clear by 0.20 m\nfree 1.60 x 1.40 m; margins left 0.20, right 0.20, up 0.30, down 0.30 m, "
+      "least at the left; to occupied over 1.00 m, to unknown 0.35 m, to the model 0.45 m");
 }
 
 TEST(MakeSceneMarkers, GivesEveryMarkerAnIdAndAPoseThatViewersTake) {
@@ -125,6 +128,16 @@ TEST(MakeSceneMarkers, DrawsTheCorridorsFreeRectangleWhereItIs) {
   for (const auto& p : markers[0].points_()) box.extend(Eigen::Vector3d(p.x_(), p.y_(), p.z_()));
   EXPECT_TRUE(box.min().isApprox(Eigen::Vector3d(0, -1.5, 0.25))) << box.min().transpose();
   EXPECT_TRUE(box.max().isApprox(Eigen::Vector3d(10, 0.5, 1.75))) << box.max().transpose();
+}
+
+TEST(MakeSceneMarkers, FollowsTheBendsOfACorridor) {
+  ClearanceDecision decision = test::ArchUnderstanding().decisions[0];
+  decision.corridor->bends_in_map_m = {{2.2, 0.5, 0.7}, {2.0, 1.0, 0.7}};
+  const auto all = MakeSceneMarkers(kStamp, Scene{}, {decision});
+  ASSERT_THAT(Named(all, "corridor_paths"), SizeIs(1));
+  EXPECT_THAT(Named(all, "corridor_paths")[0].points_(), SizeIs(4));
+  EXPECT_THAT(Named(all, "corridors")[0].points_(), SizeIs(2 * (4 * 4 + 3 * 4)));
+  EXPECT_THAT(MakeCorridorPath(kStamp, {decision}).poses_(), SizeIs(4));
 }
 
 TEST(MakeVoxelMarkers, ShowsOccupiedVoxelsAlone) {
