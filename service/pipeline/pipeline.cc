@@ -238,6 +238,7 @@ Understanding Understand(const std::vector<Observation>& observations, const Ref
   if (is_found) RefineMatch(objects, all.matches.front(), reference, options.match);
 
   const std::vector<Sight> sights = CollectSights(observations, views, objects);
+  for (const Sight& sight : sights) all.views[sight.capture_id] = sight.view;
   solids = FindFacePictures(std::move(solids), all.facades, sights);
   all.scene = BuildScene(revision, std::move(objects), std::move(solids), sights, options.scene);
   all.scene.map_origin_m = map_origin_m;

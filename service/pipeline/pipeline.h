@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "service/clearance/clearance.h"
@@ -63,6 +64,7 @@ struct Understanding {
   std::vector<Match> matches;                ///< Best first; `shapes` index `scene.objects`.
   std::vector<Facade> facades;               ///< Of the wanted objects.
   std::vector<ClearanceDecision> decisions;  ///< Of the wanted objects.
+  std::map<std::uint32_t, View> views;       ///< By capture: adjusted to the wanted objects.
   std::vector<std::string> problems;         ///< For people: what could not be made, and why.
 };
 Understanding Understand(const std::vector<Observation>& observations, const Reference& reference,

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <thread>
 
-#include "service/clearance/describe.h"
 #include "service/edge/drawing/canvas.h"
 #include "service/edge/drawing/ray_scene.h"
 #include "service/edge/drawing/shapes.h"
+#include "service/edge/drawing/space_pen.h"
 
 namespace soffit {
 namespace {
@@ -129,8 +129,7 @@ class ScenePicture {
   Drawing Draw() {
     Canvas canvas(Render());
     DrawLines(canvas);
-    std::vector<std::string> lines;
-    for (const ClearanceDecision& decision : all_.decisions) lines.push_back(Describe(decision));
+    std::vector<std::string> lines = DescribeDecisions(all_);
     return {canvas.picture(),
             "Enriched scene",
             lines,
@@ -339,71 +338,35 @@ class ScenePicture {
             cv::saturate_cast<uchar>(mean[2])};
   }
 
-  bool IsVisible(const Eigen::Vector3d& point) const {
-    const Eigen::Vector3d& eye = view_.map_from_camera.translation_m;
-    const double distance_m = (point - eye).norm();
-    return !solids_.IsBlocked(eye, (point - eye) / distance_m, distance_m - 0.3 * unit_m_);
-  }
-
-  /// Draws a line in space: as `stroke` where it is seen; where a model hides it, dashed and thin or not at
-  /// all.
-  void Draw3d(Canvas& canvas, const std::vector<Eigen::Vector3d>& line, const Stroke& stroke,
-              bool shows_hidden) const {
-    PixelLine run;
-    bool run_is_visible = true;
-    const auto finish = [&] {
-      if (run_is_visible) {
-        canvas.DrawLine(run, stroke);
-      } else if (shows_hidden) {
-        canvas.DrawLine(run, {stroke.color, 0.5 * stroke.width_px, true});
-      }
-    };
-    for (std::size_t i = 0; i + 1 < line.size(); ++i) {
-      const int steps = std::max(1, static_cast<int>((line[i + 1] - line[i]).norm() / unit_m_));
-      for (int k = 0; k <= steps; ++k) {
-        const Eigen::Vector3d point = line[i] + (line[i + 1] - line[i]) * k / steps;
-        const auto pixel = Project(view_, point);
-        const bool is_visible = IsVisible(point);
-        if (!pixel || is_visible != run_is_visible) {
-          if (pixel) run.push_back(*pixel);
-          finish();
-          run.clear();
-          run_is_visible = is_visible;
-        }
-        if (pixel) run.push_back(*pixel);
-      }
-    }
-    finish();
-  }
-
   void DrawLines(Canvas& canvas) const {
+    const SpacePen pen(view_, solids_, unit_m_);
     for (const Solid& solid : all_.scene.solids) {
-      for (const auto& [a, b] : Creases(solid.mesh)) Draw3d(canvas, {a, b}, kEdge, false);
+      for (const auto& [a, b] : Creases(solid.mesh)) pen.Draw(canvas, {a, b}, kEdge, false);
       for (const SolidOpening& opening : solid.openings) {
         Ring3 ring = opening.polygon_in_map_m;
         ring.push_back(ring.front());
-        Draw3d(canvas, ring, opening.is_through ? kThrough : kRecess, false);
+        pen.Draw(canvas, ring, opening.is_through ? kThrough : kRecess, false);
       }
     }
     for (const SceneObject& object : all_.scene.objects) {
       Ring3 ring = Lift(object.footprint.polygon_in_map_m.outer, 0.0);
       ring.push_back(ring.front());
-      Draw3d(canvas, ring, kEdge, false);
+      pen.Draw(canvas, ring, kEdge, false);
     }
-    for (const Observation& seen : observations_) DrawCamera(canvas, seen.image.view);
+    for (const Observation& seen : observations_) DrawCamera(pen, 6.0 * unit_m_, canvas, seen.image.view);
     for (const ClearanceDecision& decision : shown_) {
-      for (const auto& [a, b] : decision.corridor->Edges()) Draw3d(canvas, {a, b}, StrokeOf(decision), true);
+      for (const auto& [a, b] : decision.corridor->Edges())
+        pen.Draw(canvas, {a, b}, StrokeOf(decision), true);
       const auto entry = Project(view_, decision.corridor->entry_in_map_m);
       const auto exit = Project(view_, decision.corridor->exit_in_map_m);
       if (entry) canvas.DrawLabel(*entry, "entry", StrokeOf(decision).color);
       if (exit) canvas.DrawLabel(*exit, "exit", StrokeOf(decision).color);
     }
-    Draw3d(canvas, track_, kTrack, true);
+    pen.Draw(canvas, track_, kTrack, true);
   }
 
-  void DrawCamera(Canvas& canvas, const View& camera) const {
+  static void DrawCamera(const SpacePen& pen, double depth_m, Canvas& canvas, const View& camera) {
     const Intrinsics& k = camera.intrinsics;
-    const double depth_m = 6.0 * unit_m_;
     const auto corner = [&](double x_px, double y_px) -> Eigen::Vector3d {
       const Eigen::Vector3d ray((x_px - k.cx_px) / k.fx_px, (y_px - k.cy_px) / k.fy_px, 1.0);
       return (camera.map_from_camera * Point<Camera>{depth_m * ray}).xyz_m;
@@ -412,29 +375,8 @@ class ScenePicture {
     const Ring3 frame = {corner(0, 0), corner(k.width_px, 0), corner(k.width_px, k.height_px),
                          corner(0, k.height_px)};
     for (std::size_t i = 0; i < 4; ++i) {
-      Draw3d(canvas, {eye, frame[i], frame[(i + 1) % 4]}, kCamera, false);
+      pen.Draw(canvas, {eye, frame[i], frame[(i + 1) % 4]}, kCamera, false);
     }
-  }
-
-  /// Edges of a mesh at which its surface bends.
-  static std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> Creases(const Mesh& mesh) {
-    constexpr double kFlat = 0.97;
-    std::map<std::pair<int, int>, Eigen::Vector3d> normals;
-    std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> creases;
-    const auto& vertices = mesh.vertices_in_map_m;
-    for (const auto& triangle : mesh.triangles) {
-      const auto at = [&](int i) {
-        return vertices[static_cast<std::size_t>(triangle[static_cast<std::size_t>(i)])];
-      };
-      const Eigen::Vector3d normal = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
-      for (int i = 0; i < 3; ++i) {
-        const int a = triangle[static_cast<std::size_t>(i)];
-        const int b = triangle[static_cast<std::size_t>((i + 1) % 3)];
-        const auto [entry, is_first] = normals.try_emplace(std::minmax({a, b}), normal);
-        if (!is_first && entry->second.dot(normal) < kFlat) creases.emplace_back(at(i), at((i + 1) % 3));
-      }
-    }
-    return creases;
   }
 
   const Understanding& all_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "service/clearance/describe.h"
 #include "service/edge/drawing/canvas.h"
 #include "service/edge/drawing/shapes.h"
 
@@ -22,6 +21,8 @@ const Stroke kRecess{ink::kPurple, 5.0, true};
 const Stroke kClear{ink::kBlue, 4.0, false};
 const Stroke kRefused{ink::kVermilion, 4.0, true};
 const Stroke kTrack{ink::kOrange, 2.5, false};
+const Stroke kObstacle{ink::kVermilion, 2.0, false};
+const Stroke kClutter{ink::kGrey, 2.0, true};
 const Stroke kCamera{ink::kBlack, 1.5, false};
 const Stroke kWantedView{ink::kPurple, 2.0, true};
 const cv::Vec3b kFree(250, 246, 236);
@@ -44,13 +45,14 @@ class TopView {
   Drawing Draw() {
     for (const SceneObject& object : all_.scene.objects) DrawObject(object);
     for (const Solid& solid : all_.scene.solids) DrawOpenings(solid);
+    for (const Obstacle& thing : all_.scene.obstacles) DrawObstacle(thing, kObstacle);
+    for (const Obstacle& thing : all_.scene.clutter) DrawObstacle(thing, kClutter);
     for (const ClearanceDecision& decision : ChooseShownDecisions(all_.decisions)) DrawCorridor(decision);
     DrawTrack();
     for (const Observation& seen : observations_) DrawCamera(seen.image);
     for (const ClearanceDecision& decision : all_.decisions) DrawWanted(decision);
     DrawScaleBar();
-    std::vector<std::string> lines;
-    for (const ClearanceDecision& decision : all_.decisions) lines.push_back(Describe(decision));
+    std::vector<std::string> lines = DescribeDecisions(all_);
     for (const std::string& problem : all_.problems) lines.push_back(problem);
     return {canvas_.picture(),
             "Scene from above, north up; occupancy at " + FormatNumber(SliceHeight(), 2) + " m", lines,
@@ -65,6 +67,8 @@ class TopView {
                                                     {kRecess, "opening, a recess"},
                                                     {kClear, "corridor, CLEAR"},
                                                     {kRefused, "corridor, refused"},
+                                                    {kObstacle, "obstacle"},
+                                                    {kClutter, "thing of unknown height"},
                                                     {kTrack, "flown track"},
                                                     {kCamera, "where a picture was taken"},
                                                     {kWantedView, "picture that would settle it"},
@@ -159,6 +163,13 @@ class TopView {
       }
       canvas_.DrawLine({ToPixel(a), ToPixel(b)}, opening.is_through ? kThrough : kRecess);
     }
+  }
+
+  void DrawObstacle(const Obstacle& thing, const Stroke& stroke) {
+    PixelLine circle;
+    for (const Eigen::Vector3d& p : Circle(thing.base_in_map_m, thing.radius_m))
+      circle.push_back(ToPixel(p.head<2>()));
+    canvas_.DrawLine(circle, stroke);
   }
 
   void DrawCorridor(const ClearanceDecision& decision) {

@@ -40,7 +40,8 @@ struct KeptMission {
 
 // As text. What changes all the time and is heard anew after a restart is left out: of the vehicle where it
 // is and what it does; of a mission its progress and its findings, which are made again from the scene that
-// `findings_revision` names; of a scene its octree and its facades; of footprints their silhouettes.
+// `findings_revision` names; of a scene its octree, its facades and its views; of footprints their
+// silhouettes.
 struct MissionRecord {
   std::uint64_t mission_id = 0;
   std::uint32_t vehicle_id = 0;

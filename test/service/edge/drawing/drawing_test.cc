@@ -35,6 +35,54 @@ TEST(DrawOverlay, DashesARefusedCorridorInAnotherColorAndGivesTheReason) {
   EXPECT_THAT(drawing.lines, testing::Contains(testing::HasSubstr("too low by 0.05 m")));
 }
 
+TEST(DrawOverlay, ShowsObstaclesWhereNoModelHidesThem) {
+  Understanding all = test::ArchUnderstanding();
+  const auto count = [&] {
+    return CountOf(DrawOverlay(test::ArchObservations()[1], all).picture, ink::kOrange);
+  };
+  all.scene.obstacles = {{{0.5, 5.0, 0.0}, 0.2, 1.5, true, 0.01, {}}};
+  EXPECT_EQ(count(), 0) << "behind the arch";
+  all.scene.obstacles[0].base_in_map_m.y() = -1.5;
+  EXPECT_GT(count(), 50);
+}
+
+TEST(DrawOverlay, TellsWhatAnOpeningWasTakenForAndWhy) {
+  Understanding all = test::ArchUnderstanding();
+  Facade wall;
+  wall.object_id = 1;
+  wall.side = 0;
+  Opening opening;
+  opening.ring_in_wall_m = {{1.2, 0}, {2.8, 0}, {2.8, 1.4}, {1.2, 1.4}};
+  opening.evidence = "sky or ground in 0.01 of what is seen through it";
+  opening.recess = Recess{opening.ring_in_wall_m, 0.3, 0.01};
+  opening.captures = {2};
+  wall.openings = {opening};
+  all.facades = {wall};
+  EXPECT_THAT(DrawOverlay(test::ArchObservations()[1], all).lines,
+              testing::Contains("opening 0.1: a recess, 0.30 m deep: sky or ground in 0.01 of what is seen "
+                                "through it"));
+  EXPECT_THAT(DrawOverlay(test::ArchObservations()[0], all).lines,
+              testing::Not(testing::Contains(testing::HasSubstr("opening 0.1"))));
+}
+
+TEST(DrawOverlay, TellsWhatWouldSettleItInTheCoordinatesThatPeopleAreTold) {
+  Understanding all = test::ArchUnderstanding();
+  all.scene.map_origin_m = {691000, 5335000, 0};
+  all.decisions[0].wanted = Viewpoint{Purpose::kWall, {1, 2, 3}, 0.0, 0.0, 1, 2, "the far side"};
+  EXPECT_THAT(
+      DrawOverlay(test::ArchObservations()[1], all).lines,
+      testing::Contains("A picture would settle it, from (691001.00, 5335002.00, 3.00): the far side"));
+}
+
+TEST(DrawOverlay, DrawsAsThePictureWasAdjusted) {
+  Understanding all = test::ArchUnderstanding();
+  std::vector<Observation> observations = test::ArchObservations();
+  const cv::Mat3b expected = DrawOverlay(observations[1], all).picture;
+  all.views[2] = observations[1].image.view;
+  observations[1].image.view.map_from_camera.translation_m.x() += 0.3;
+  EXPECT_EQ(cv::norm(DrawOverlay(observations[1], all).picture, expected, cv::NORM_INF), 0.0);
+}
+
 TEST(DrawOverlay, DrawsNothingOfWhatLiesBehindTheCamera) {
   std::vector<Observation> observations = test::ArchObservations();
   observations[1].image.view.map_from_camera.rotation = CameraAttitude(-1.5707963, 0.0);
