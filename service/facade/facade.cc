@@ -367,8 +367,8 @@ double ShareAt(const std::vector<Eigen::Vector2d>& points, double at, double rea
   return count / static_cast<double>(points.size());
 }
 
-/// The highest level at which a straight head can lie: things behind an opening may hide more than half of
-/// it.
+/// The highest level at which a straight edge can lie: things behind an opening may hide more than half of
+/// its head, and things in it seem to go on below its sill.
 double HighestLevel(const std::vector<Eigen::Vector2d>& points, double reach) {
   std::vector<Eigen::Vector2d> sorted = points;
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.y() > b.y(); });
@@ -464,6 +464,20 @@ Head MeasureHead(const Elevation& view, const Gap& gap, const Mouth& mouth, cons
   return is_arch && fits_better ? arch : Head{level, 0.0};
 }
 
+/// The sill of an opening that does not reach the ground.
+double MeasureBottom(const Elevation& view, const Gap& gap, const Mouth& mouth, const Span& sides) {
+  std::vector<Eigen::Vector2d> points;
+  for (int column = 0; column < gap.inside.cols; ++column) {
+    const double u = view.Center(gap.bounds.x + column, 0).x();
+    int row = 0;
+    while (row < gap.inside.rows && gap.open(row, column) == 0) ++row;
+    if (row < gap.inside.rows && u > sides.low && u < sides.high)
+      points.emplace_back(u, mouth.Bottom((gap.bounds.y + row) * view.cell_m));
+  }
+  if (points.empty()) return mouth.Bottom(gap.bounds.y * view.cell_m);
+  return HighestLevel(points, 2.5 * view.cell_m / mouth.shrink);
+}
+
 /// Counter-clockwise as seen from outside.
 Ring MouthRing(const Span& sides, double bottom, const Head& head) {
   Ring ring = {{sides.low, bottom}, {sides.high, bottom}};
@@ -496,7 +510,7 @@ std::optional<Recess> MeasureRecess(const Elevation& view, const Sight& sight, c
   const bool shows_sides = share < kSameWidthShare;
   if (shows_sides) mouth.shrink = share;
   const Span& outer = shows_sides ? foot : inner;
-  const double bottom = gap.is_standing ? 0.0 : mouth.Bottom(gap.bounds.y * view.cell_m);
+  const double bottom = gap.is_standing ? 0.0 : MeasureBottom(view, gap, mouth, outer);
   const Head head = MeasureHead(view, gap, mouth, outer);
   if (!(head.spring_m + head.rise_m > bottom + 2.0 * view.cell_m)) return std::nullopt;
   const Ring ring = MouthRing(outer, bottom, head);
@@ -534,7 +548,7 @@ std::optional<Opening> MeasureOpening(const Elevation& view, const Sight& sight,
       opening.right_drift = jambs->right.drift;
     }
   } else {
-    bottom = mouth.Bottom(gap.bounds.y * view.cell_m);
+    bottom = MeasureBottom(view, gap, mouth, sides);
   }
   sides.low = std::max(sides.low, 0.0);
   sides.high = std::min(sides.high, view.wall.width_m);

@@ -97,6 +97,7 @@ struct Arch {
   double width_m = 1.6;
   double height_m = 1.5;
   double depth_m = 1.5;  ///< Less than 1.5: a recess in the south wall.
+  double sill_m = 0.0;   ///< More: a window.
 
   Footprint footprint() const {
     Footprint object;
@@ -111,10 +112,10 @@ struct Arch {
   Thing thing() const {
     const double end = depth_m < 1.5 ? -0.75 + depth_m : 1.0;
     const Ring opening = Box(-0.5 * width_m, -1.0, 0.5 * width_m, end);
-    return {
-        Subtract(Upright(footprint().polygon_in_map_m.outer, 0.0, 2.3), {Upright(opening, -0.1, height_m)})
-            .value(),
-        kBlueWall};
+    return {Subtract(Upright(footprint().polygon_in_map_m.outer, 0.0, 2.3),
+                     {Upright(opening, sill_m > 0.0 ? sill_m : -0.1, height_m)})
+                .value(),
+            kBlueWall};
   }
 };
 

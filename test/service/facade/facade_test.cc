@@ -92,6 +92,15 @@ TEST(ReadFacades, ReadsTheHeadBesideAThingOfTheSameColour) {
   EXPECT_NEAR(opening.ring_in_wall_m[2].y(), 1.5, 0.02);
 }
 
+TEST(ReadFacades, MeasuresTheSillBesideAThingThatStandsOnIt) {
+  const test::Thing box = test::Block(test::Box(-0.3, -0.6, 0.3, 0.0), 0.4, 0.9, test::kGreyGround);
+  const auto facades = Read({.sill_m = 0.4}, {test::FromSouth()}, {box});
+  ASSERT_THAT(facades[0].openings, SizeIs(1));
+  const Opening& opening = facades[0].openings[0];
+  ASSERT_THAT(opening.ring_in_wall_m, SizeIs(4));
+  EXPECT_NEAR(opening.ring_in_wall_m[0].y(), 0.4, 0.03);
+}
+
 TEST(ReadFacades, SeesThroughBesideAThingThatHidesMostOfTheSky) {
   const test::Thing behind = test::Block(test::Box(-0.55, 6.0, 6.0, 8.0), 0.0, 4.0, {30, 60, 30});
   const auto facades = Read({}, {test::FromSouth()}, {behind});
