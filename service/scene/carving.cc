@@ -146,7 +146,8 @@ Voxel Carving::Judge(std::size_t number, const Eigen::Vector3d& center) const {
   const Parts parts = proof.has_parts ? parts_.at(number) : Parts{};
   if (parts.sure == kAll && !may_hide) return Voxel::kFree;
   if (proof.shows_things && Cosine(things_.at(number), center) < kOtherDirection) return Voxel::kThing;
-  if (proof.is_disputed || may_hide) return Voxel::kUnknown;
+  if (may_hide) return Voxel::kLine;
+  if (proof.is_disputed) return Voxel::kUnknown;
   return proof.is_likely_free || parts.AreFree() ? Voxel::kFree : Voxel::kUnknown;
 }
 

@@ -79,9 +79,9 @@ cv::Point SomePixel(const cv::Mat1i& regions, int region, const cv::Rect& bounds
   return bounds.tl();
 }
 
-/// A bar before an opening may be coloured like ground or sky; it is no background where it goes on before
-/// the model, farther than it is wide (a model that is wrong shows background along its edge). 255 there and
-/// wherever it goes on in the same colour.
+/// What is before an opening may be coloured like ground or sky; it is no background where it goes on before
+/// the model, farther than it is wide or than a wrong model would show background along its edge. 255 there
+/// and wherever it goes on in the same colour.
 cv::Mat1b FindDisguised(const Sight& sight, const Prediction& prediction) {
   const cv::Mat1b within = Shrink(Only(prediction.label, Seen::kStructure), kSeam_px);
   const cv::Mat1b background = Either(Only(sight.seen, Seen::kGround), Only(sight.seen, Seen::kSky));
@@ -101,7 +101,7 @@ cv::Mat1b FindDisguised(const Sight& sight, const Prediction& prediction) {
                           stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT));
     if (area < kMinThing_px) continue;
     const int contact = Contact(regions, i, bounds, beside);
-    if (contact == 0 || area < contact * contact) continue;
+    if (contact == 0 || area < contact * std::min(contact, kMisfit_px)) continue;
     cv::floodFill(smooth, filled, SomePixel(regions, i, bounds), cv::Scalar(), nullptr,
                   cv::Scalar::all(kSameColor), cv::Scalar::all(kSameColor),
                   4 | cv::FLOODFILL_FIXED_RANGE | cv::FLOODFILL_MASK_ONLY | 255 << 8);

@@ -27,7 +27,7 @@ class Planter {
       : voxels_(voxels),
         tree_(std::make_shared<RootedTree>(voxels.grid.voxel_m)),
         log_odds_{0.0F, tree_->getClampingThresMinLog(), tree_->getClampingThresMaxLog(),
-                  tree_->getClampingThresMaxLog()} {}
+                  tree_->getClampingThresMaxLog(), 0.0F} {}
 
   std::shared_ptr<const OcTree> Plant() {
     const std::array<int, 3>& first = voxels_.grid.first;
@@ -82,14 +82,15 @@ class Planter {
 
   const Voxels& voxels_;
   std::shared_ptr<OcTree> tree_;
-  std::array<float, 4> log_odds_;  ///< By Voxel.
+  std::array<float, 5> log_odds_;  ///< By Voxel.
 };
 
 }  // namespace
 
 std::shared_ptr<const OcTree> PlantTree(const Voxels& voxels) {
-  const bool is_empty = std::all_of(voxels.states.begin(), voxels.states.end(),
-                                    [](Voxel state) { return state == Voxel::kUnknown; });
+  const bool is_empty = std::all_of(voxels.states.begin(), voxels.states.end(), [](Voxel state) {
+    return state == Voxel::kUnknown || state == Voxel::kLine;
+  });
   if (is_empty) return std::make_shared<OcTree>(voxels.grid.voxel_m);
   return Planter(voxels).Plant();
 }

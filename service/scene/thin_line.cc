@@ -24,7 +24,7 @@ constexpr double kBesideShare = 0.03;  // Of the way between the parts.
 constexpr double kStraight = 0.97;     // Cosine to what is level or upright.
 constexpr std::size_t kLeastPixels = 12;
 constexpr double kLeastLong = 0.03;       // Over the picture's width, of what begins at the model,
-constexpr double kLeastUpright = 0.06;    // and of what stands free.
+constexpr double kLeastUpright = 0.045;   // and of what stands free.
 constexpr double kLeastUnseen_px = 12.0;  // By which a line may go on unseen; or by half its length.
 constexpr int kFaintEnd_px = 10;
 constexpr double kOnGround = 0.9;     // Of a line's pixels.
@@ -81,6 +81,9 @@ class Backdrop {
              IsHidden(end, begin) && Keep(other).size() >= kLeastPixels;
     });
   }
+
+  /// 255 where no line would show, were there one.
+  const cv::Mat1b& Horizon() const { return horizon_; }
 
   /// None when the ridge is too short, or neither upright nor from one edge of the model to another: where it
   /// shows before ground alone, one end at the model is not enough.
@@ -170,10 +173,10 @@ void ThinLines::Add(const Sight& sight, const Prediction& prediction) {
   cv::resize(Only(prediction.label, Seen::kGround), picture.ground, cv::Size(), picture.scale, picture.scale,
              cv::INTER_NEAREST);
   picture.clear = cv::Mat1b(picture.ground.size(), uchar{0});
-  picture.traces = cv::Mat1b(picture.ground.size(), uchar{0});
   cv::Mat1b grey;
   cv::cvtColor(sight.bgr, grey, cv::COLOR_BGR2GRAY);
   const Backdrop backdrop(sight, prediction);
+  cv::resize(backdrop.Horizon(), picture.traces, picture.ground.size(), 0.0, 0.0, cv::INTER_NEAREST);
   const cv::Rect all({}, picture.ground.size());
   for (const double scale : {picture.scale, picture.scale / 2.0}) {
     const std::vector<Ridge> ridges = FindRidgesInSmaller(grey, scale);

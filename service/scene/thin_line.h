@@ -12,7 +12,7 @@ namespace soffit {
 /// Whether a pixel shows a thin line.
 enum class LineMark : std::uint8_t {
   kNone,
-  kTrace,  ///< It looks like one: noise, texture and edges do, too.
+  kTrace,  ///< It looks like one, as noise, texture and edges do; or one would not show, as at the horizon.
   kLine    ///< One that may hang or stand before the background.
 };
 

@@ -26,8 +26,9 @@ struct Grid {
   std::size_t Count(std::size_t axis) const { return static_cast<std::size_t>(count[axis]); }
 };
 
-/// What is known of a voxel. A thing is something that the model does not have.
-enum class Voxel : std::uint8_t { kUnknown, kFree, kSolid, kThing };
+/// What is known of a voxel. A thing is something that the model does not have; where a thin line may be is
+/// unknown.
+enum class Voxel : std::uint8_t { kUnknown, kFree, kSolid, kThing, kLine };
 using Index = std::array<int, 3>;
 
 struct Voxels {

@@ -21,7 +21,7 @@ octomap::OcTree PlantOneByOne(Voxels voxels) {
   octomap::OcTree tree(voxels.grid.voxel_m);
   ForEach(voxels.grid, [&](const Index& at) {
     const Voxel state = voxels.At(at);
-    if (state == Voxel::kUnknown) return;
+    if (state == Voxel::kUnknown || state == Voxel::kLine) return;
     const Eigen::Vector3d center = voxels.grid.Center(at[0], at[1], at[2]);
     const float log_odds =
         state == Voxel::kFree ? tree.getClampingThresMinLog() : tree.getClampingThresMaxLog();
@@ -48,7 +48,7 @@ TEST(PlantTree, EqualsWhatOctoMapBuildsVoxelByVoxel) {
   std::mt19937 random(5);
   ForEach(voxels.grid, [&](const Index& at) {
     const bool is_block = at[0] < 30;  // Uniform blocks beside noise.
-    voxels.At(at) = is_block ? Voxel::kFree : static_cast<Voxel>(random() % 4);
+    voxels.At(at) = is_block ? Voxel::kFree : static_cast<Voxel>(random() % 5);
   });
   const auto tree = PlantTree(voxels);
   const octomap::OcTree other = PlantOneByOne(voxels);

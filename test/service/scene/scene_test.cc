@@ -31,11 +31,11 @@ Solid Model(const Arch& arch) {
   return solid;
 }
 
-Scene Build(const std::vector<Sight>& sights) {
+Scene Build(const std::vector<Sight>& sights, const Arch& arch = {}) {
   SceneObject object;
-  object.footprint = Arch{}.footprint();
+  object.footprint = arch.footprint();
   object.is_matched = true;
-  return BuildScene(3, {object}, {Model({})}, sights, {});
+  return BuildScene(3, {object}, {Model(arch)}, sights, {});
 }
 
 TEST(BuildScene, KnowsNothingFreeWithoutPictures) {
@@ -78,6 +78,15 @@ TEST(BuildScene, TakesNoBarForGroundThatGoesOnBeforeTheJambs) {
   const std::vector<View> views = {test::FromSouth(), test::FromNorth()};
   EXPECT_EQ(At(Build(Look(views, {Arch{}.thing()}).sights), 0.0, -0.9, 0.35), Space::kFree);
   EXPECT_NE(At(Build(Look(views, {Arch{}.thing(), bar}).sights), 0.0, -0.9, 0.35), Space::kFree);
+}
+
+TEST(BuildScene, TakesNoBoxForGroundThatGoesOnBeforeTheSill) {
+  const Arch window{.sill_m = 0.4};
+  const test::Thing box = test::Block(test::Box(-0.3, -0.6, 0.3, 0.3), 0.4, 1.0, {102, 104, 105});
+  const std::vector<View> views = {test::FromSouth(), test::FromNorth()};
+  EXPECT_EQ(At(Build(Look(views, {window.thing()}).sights, window), 0.02, -0.17, 0.77), Space::kFree);
+  const Scene scene = Build(Look(views, {window.thing(), box}).sights, window);
+  for (const double z : {0.52, 0.77, 0.92}) EXPECT_NE(At(scene, 0.02, -0.17, z), Space::kFree) << z;
 }
 
 TEST(BuildScene, TakesNoPoleForGroundAndSomethingHoveringAboveIt) {

@@ -29,8 +29,9 @@ TEST(FreeUnsupported, KeepsWhatMayStandHangOrLean) {
                                   std::pair(Index{3, 3, 8}, Voxel::kUnknown),  // From above.
                                   std::pair(Index{0, 3, 4}, Voxel::kUnknown),  // From outside of the grid.
                                   std::pair(Index{3, 7, 4}, Voxel::kUnknown),
-                                  std::pair(Index{5, 5, 6}, Voxel::kSolid),     // On the model.
-                                  std::pair(Index{5, 5, 6}, Voxel::kThing)}) {  // On a thing.
+                                  std::pair(Index{5, 5, 6}, Voxel::kSolid),  // On the model.
+                                  std::pair(Index{5, 5, 6}, Voxel::kThing),  // On a thing.
+                                  std::pair(Index{3, 3, 5}, Voxel::kLine)}) {
     Voxels voxels = AllFree();
     Index at = {3, 3, 4};
     voxels.At(at) = Voxel::kUnknown;

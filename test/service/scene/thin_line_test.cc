@@ -56,6 +56,14 @@ TEST(ThinLines, AreASlimPoleThatStandsFree) {
   EXPECT_TRUE(IsShownAt(lines, view, {2.51, -1.0, 0.5}));
 }
 
+TEST(ThinLines, MayHideAtTheHorizon) {
+  const View view = test::FromSouth();
+  const Eigen::Vector2d far = Project(view, {0.0, 5000.0, 0.0}).value();
+  const cv::Mat1b marks = Find({view}, {});
+  EXPECT_EQ(marks(static_cast<int>(std::lround(far.y())), static_cast<int>(std::lround(far.x()))),
+            static_cast<uchar>(LineMark::kTrace));
+}
+
 TEST(ThinLines, AreNoMarksOfTheGroundThatAnotherPictureShowsThereToo) {
   const View view = test::FromSouth();
   const test::Thing joint = Rod(0.2, -3.5, 0.23, -0.8, 0.0, 0.001);
