@@ -223,10 +223,9 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
   decision.corridor = corridor;
   const Needed needed = NeededOn(corridor);
   MeasureMargins(needed, decision);
+  if (const auto tightness = FindTightness(corridor, needed)) return Block(decision, *tightness);
   const Sweep sweep = SweepOctree(*scene.octree, needed.path, needed.radius_m, needed.bottom_m, needed.top_m);
   decision.seen_ratio = sweep.SeenRatio();
-
-  if (const auto tightness = FindTightness(corridor, needed)) return Block(decision, *tightness);
   const auto [least_m, bound] = FindLeastMargin(decision);
   const std::string least = Say("least margin ", least_m, " m (", ToString(bound), ")");
   if (!(least_m >= -kTiny_m)) {

@@ -35,9 +35,9 @@ struct ClearanceDecision {
   double margin_right_m = 0.0;
   double margin_up_m = 0.0;
   double margin_down_m = 0.0;
-  Bound binding = Bound::kNone;         ///< Where the margin is least; with a corridor only.
-  Distances distances;                  ///< Of the vehicle on the corridor; at most kDistanceReach_m.
-  double seen_ratio = 0.0;              ///< Share of the swept volume that was seen to be free.
+  Bound binding = Bound::kNone;  ///< Where the margin is least; with a corridor only.
+  Distances distances;           ///< Of the vehicle on the corridor; at most kDistanceReach_m.
+  double seen_ratio = 0.0;  ///< Share of the swept volume that was seen to be free; 0 where it does not fit.
   std::vector<std::uint32_t> evidence;  ///< Capture ids.
   std::optional<Viewpoint> wanted;      ///< INSUFFICIENT_DATA: the picture that would settle it.
   std::uint64_t scene_revision = 0;

@@ -31,6 +31,17 @@ class SweptBody {
   double InHeight(double z) const { return std::max(0.0, std::abs(z - z_m_) - half_height_m_); }
   double To(const Eigen::Vector3d& p) const { return std::hypot(InPlan(p.head<2>()), InHeight(p.z())); }
 
+  /// To what is outside of the bounds and above the ground.
+  double ToBeyond(const Eigen::AlignedBox3d& bounds) const {
+    double inside_m = bounds.max().z() - z_m_ - half_height_m_;
+    for (const Eigen::Vector2d& p : path_) {
+      const Eigen::Vector2d low = p - bounds.min().head<2>();
+      const Eigen::Vector2d high = bounds.max().head<2>() - p;
+      inside_m = std::min({inside_m, low.minCoeff() - radius_m_, high.minCoeff() - radius_m_});
+    }
+    return std::max(0.0, inside_m);
+  }
+
   Eigen::AlignedBox3d Around(double reach_m) const {
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector2d& p : path_) box.extend(Eigen::Vector3d(p.x(), p.y(), z_m_));
@@ -80,13 +91,23 @@ double DistanceToModels(const SweptBody& body, const Scene& scene, double reach_
   return nearest;
 }
 
+Eigen::AlignedBox3d BoundsOf(const octomap::OcTree& tree) {
+  Eigen::AlignedBox3d bounds(Eigen::Vector3d::Zero());
+  if (tree.size() > 0) {
+    tree.getMetricMin(bounds.min().x(), bounds.min().y(), bounds.min().z());
+    tree.getMetricMax(bounds.max().x(), bounds.max().y(), bounds.max().z());
+  }
+  return bounds;
+}
+
 /// Looks at all voxels that may be nearer than `reach_m`.
 Distances MeasureVoxels(const octomap::OcTree& tree, const SweptBody& body, double reach_m) {
-  Distances distances{reach_m, reach_m, reach_m};
+  const Eigen::AlignedBox3d bounds = BoundsOf(tree);
+  Distances distances{reach_m, std::min(reach_m, body.ToBeyond(bounds)), reach_m};
   const double voxel = tree.getResolution();
   const double in_plan_m =
       std::sqrt(0.5) * voxel;  // From the middle of a voxel to its nearest point, at most.
-  const Eigen::AlignedBox3d box = body.Around(reach_m);
+  const Eigen::AlignedBox3d box = body.Around(reach_m).intersection(bounds);
   const auto first = [&](double at) { return static_cast<int>(std::floor(at / voxel)); };
   const auto middle = [&](int index) { return (index + 0.5) * voxel; };
   for (int x = first(box.min().x()); x <= first(box.max().x()); ++x) {

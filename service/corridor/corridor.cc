@@ -208,6 +208,7 @@ Eigen::Vector2d ChooseLine(const std::vector<FreeLane>& lanes, const Eigen::Vect
   const Room room = RoomOf(lanes);
   const double room_u = std::max(0.0, 0.5 * (room.width_m - vehicle.NeededWidth_m()) - kept_m.x());
   const double room_v = std::max(0.0, 0.5 * (room.Height_m() - vehicle.NeededHeight_m()) - kept_m.y());
+  if (room_u == 0.0 && room_v == 0.0) return Eigen::Vector2d::Zero();
   std::vector<Eigen::Vector2d> offsets;
   for (int i = -kLineSteps; i <= kLineSteps; ++i) {
     for (int j = -kLineSteps; j <= kLineSteps; ++j) {
@@ -227,7 +228,7 @@ Eigen::Vector2d ChooseLine(const std::vector<FreeLane>& lanes, const Eigen::Vect
     if (seen <= best_seen) continue;
     best = offset;
     best_seen = seen;
-    if (seen >= 1.0 || (room_u == 0.0 && room_v == 0.0)) break;
+    if (seen >= 1.0) break;
   }
   return best;
 }

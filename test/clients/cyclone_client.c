@@ -278,8 +278,8 @@ static void CheckQuestions(void) {
   const double x = 0.5 * (entry.x + exit.x);
   const double y = 0.5 * (entry.y + exit.y);
   const double z = 0.5 * (entry.z + exit.z);
-  query.vehicle.radius_m = 5.0;
-  query.vehicle.height_m = 5.0;
+  query.vehicle.radius_m = 50.0;
+  query.vehicle.height_m = 50.0;
   query.id.sequence_number = ++asked;
   reply = AskWell(&query, "QUERY_CLEARANCE is answered for another vehicle");
   Check(reply != NULL && reply->decisions._length > 0 &&

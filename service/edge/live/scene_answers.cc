@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kListedRevisions = 256;
 constexpr double kMaxSearchCells = 4e6;
+constexpr double kLargest_m = 10.0;  // Width and height of a vehicle that a way is looked for.
 constexpr double kMaxWay_m = 1000.0;
 constexpr double kForever_m = std::numeric_limits<double>::infinity();
 
@@ -331,8 +332,12 @@ SceneReply Answer(Question q) {
         return q.Refuse(AnswerStatus::kBadRequest,
                         "the vehicle needs a radius and a height, and no negative margin");
       }
-      return q.query.kind == SceneQueryKind::kClearance ? AnswerClearance(std::move(q))
-                                                        : AnswerWay(std::move(q));
+      if (q.query.kind == SceneQueryKind::kClearance) return AnswerClearance(std::move(q));
+      if (std::max(q.vehicle().NeededWidth_m(), q.vehicle().NeededHeight_m()) > kLargest_m) {
+        return q.Refuse(AnswerStatus::kBadRequest, Say("with its margin the vehicle is wider or higher than ",
+                                                       kLargest_m, " m: ask for a smaller one"));
+      }
+      return AnswerWay(std::move(q));
     case SceneQueryKind::kChanges:
       return AnswerChanges(std::move(q));
     case SceneQueryKind::kRevisions:

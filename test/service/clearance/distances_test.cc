@@ -47,6 +47,17 @@ TEST(MeasureDistances, GivesThatToTheNearerJamb) {
   EXPECT_EQ(distances.to_unknown_m, 1.0);
 }
 
+TEST(MeasureDistances, TakesWhatIsBeyondTheMapForUnknown) {
+  const Distances distances = MeasureDistances(FreeArch(), {{5.0, 0.0, 1.5}, {5.0, 1.0, 1.5}}, kVehicle, 1.0);
+  EXPECT_NEAR(distances.to_unknown_m, 0.65, 0.025);  // The map ends at 6.
+}
+
+TEST(MeasureDistances, AreNoneForAVehicleThatIsLargerThanTheMap) {
+  const Distances distances = MeasureDistances(FreeArch(), kThrough, {1e6, 1e6, 0.0}, 1.0);
+  EXPECT_EQ(distances.to_unknown_m, 0.0);
+  EXPECT_EQ(distances.to_surface_m, 0.0);
+}
+
 TEST(MeasureDistances, TellsOccupiedFromUnknown) {
   Scene scene = FreeArch();
   Set(scene, {2.75, -0.55, 0.65}, 2.0F);  // From 2.7 on: 0.7 aside.

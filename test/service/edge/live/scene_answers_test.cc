@@ -192,11 +192,25 @@ TEST(AnswerClearance, IsTheMissionsForItsVehicleAndAnewForAnother) {
     EXPECT_NE(report.decision.verdict, Verdict::kClear);
     EXPECT_EQ(report.decision.decision_id, 0u) << "no leave to fly";
   }
+  query.vehicle = {1e6, 1e6, 0.0};
+  for (const DecisionReport& report : Answer(query).decisions)
+    EXPECT_NE(report.decision.verdict, Verdict::kClear);
   query.vehicle = {-1.0, 1.0, 0.0};
   EXPECT_EQ(Answer(query).status, AnswerStatus::kBadRequest);
   query.vehicle = {};
   query.object_id = 99;
   EXPECT_EQ(Answer(query).status, AnswerStatus::kNotFound);
+}
+
+TEST(AnswerWay, RefusesAVehicleThatIsAbsurdlyLarge) {
+  for (const SceneQueryKind kind : {SceneQueryKind::kWay, SceneQueryKind::kPath}) {
+    SceneQuery query = Ask(kind);
+    query.vehicle = {1e6, 1.0, 0.1};
+    query.from_in_map_m = {2.0, -1.0, 0.7};
+    query.to_in_map_m = {2.0, 2.0, 0.7};
+    EXPECT_EQ(Answer(query).status, AnswerStatus::kBadRequest);
+    EXPECT_THAT(Answer(query).message, HasSubstr("10.00 m"));
+  }
 }
 
 TEST(AnswerWay, IsNotClearWhereNothingIsKnown) {
