@@ -115,6 +115,14 @@ struct Judge {
     return std::nullopt;
   }
 
+  bool IsUnseen(int side) const {
+    return std::count(solid.unseen_walls.begin(), solid.unseen_walls.end(), side) > 0;
+  }
+
+  bool AreBothEndsSeen(const Corridor& corridor) const {
+    return !IsUnseen(corridor.entry_wall) && !IsUnseen(corridor.exit_wall);
+  }
+
   Needed NeededOn(const Corridor& corridor) const;
   void MeasureMargins(const Needed& needed, ClearanceDecision& decision) const;
   std::optional<std::string> FindTightness(const Corridor& corridor, const Needed& needed) const;
@@ -133,14 +141,11 @@ Eigen::Vector3d MiddleOf(const SolidOpening& opening) {
 ClearanceDecision Judge::WithoutPassage() const {
   const ClearanceDecision decision = Start(-1);
   const Polygon& polygon = solid.footprint.polygon_in_map_m;
-  const auto is_unseen = [&](int side) {
-    return std::count(solid.unseen_walls.begin(), solid.unseen_walls.end(), side) > 0;
-  };
   for (const SolidOpening& opening : solid.openings) {
     if (opening.wall < 0) continue;
     const Wall wall = WallOf(polygon.outer, opening.wall);
     const auto way = FindWayOut(polygon, opening.wall, wall.U(MiddleOf(opening).head<2>()));
-    if (way && is_unseen(way->side))
+    if (way && IsUnseen(way->side))
       return Doubt(decision, Say("wall ", opening.wall, " has an opening, the wall opposite was not seen"),
                    LookAtWall(way->side));
   }
@@ -148,7 +153,7 @@ ClearanceDecision Judge::WithoutPassage() const {
     const Wall wall = WallOf(polygon.outer, side);
     if (wall.width_m < vehicle.NeededWidth_m()) continue;
     const auto way = FindWayOut(polygon, side, 0.5 * wall.width_m);
-    if (!way || !is_unseen(way->side)) continue;
+    if (!way || !IsUnseen(way->side)) continue;
     return Doubt(decision, Say("walls ", side, " and ", way->side, " were not seen"), LookAtWall(side));
   }
   return Block(decision, solid.openings.empty() ? "it has no opening" : "it does not go through");
@@ -201,7 +206,9 @@ std::optional<std::string> Judge::FindTightness(const Corridor& corridor, const 
   const double height_slack = (needed.stands_on_ground ? 1.0 : 2.0) * needed.slack_m;
   const std::string because = corridor.limited_by.empty() ? "" : " (" + corridor.limited_by + ")";
   if (spare_width + 2.0 * needed.slack_m < 0.0) return "too narrow by " + InMetres(-spare_width) + because;
-  if (spare_height + height_slack < 0.0) return "too low by " + InMetres(-spare_height) + because;
+  // From one side alone, a wall that stands far behind may look like the head.
+  if (spare_height + height_slack < 0.0 && AreBothEndsSeen(corridor))
+    return "too low by " + InMetres(-spare_height) + because;
   return FindNeighbourInTheWay(corridor);
 }
 
@@ -230,9 +237,10 @@ ClearanceDecision Judge::OnCorridor(const Corridor& corridor) const {
   const std::string least = Say("least margin ", least_m, " m (", ToString(bound), ")");
   if (!(least_m >= -kTiny_m)) {
     return Doubt(decision,
-                 Say("too close to call: ", corridor.free_width_m - vehicle.NeededWidth_m(),
-                     " m to spare in width, ", corridor.free_height_m - vehicle.NeededHeight_m(),
-                     " m in height, ", least, corridor.limited_by.empty() ? "" : "; ", corridor.limited_by),
+                 Say(AreBothEndsSeen(corridor) ? "too close to call: " : "seen from one side only: ",
+                     corridor.free_width_m - vehicle.NeededWidth_m(), " m to spare in width, ",
+                     corridor.free_height_m - vehicle.NeededHeight_m(), " m in height, ", least,
+                     corridor.limited_by.empty() ? "" : "; ", corridor.limited_by),
                  LookAlong(corridor));
   }
   if (const auto other = FindModelInTheWay(needed)) {

@@ -161,6 +161,13 @@ TEST(JudgeClearance, AsksForMoreRoomWithMoreSigmas) {
   EXPECT_NEAR(loose[0].margin_up_m - strict[0].margin_up_m, 10.0 * loose[0].corridor->std_m, 1e-9);
 }
 
+TEST(JudgeClearance, DoesNotBlockAsTooLowWhatItSawFromOneSideOnly) {
+  const Thing behind = test::Block(test::Box(-3.0, 3.0, 3.0, 3.4), 0.0, 3.0, test::kBlueWall);
+  const auto decisions = Judge({}, {test::FromSouth()}, {behind});
+  EXPECT_EQ(decisions[0].verdict, Verdict::kInsufficientData) << decisions[0].reason;
+  EXPECT_THAT(decisions[0].reason, HasSubstr("seen from one side only"));
+}
+
 TEST(JudgeClearance, BlocksWhatIsTooLow) {
   const auto decisions = Judge({1.6, 0.70, 1.5}, kAllSides);
   EXPECT_EQ(decisions[0].verdict, Verdict::kBlocked);
