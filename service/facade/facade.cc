@@ -21,6 +21,7 @@ constexpr double kMinSkyShare = 0.05;      // Of what is seen above the horizon:
 constexpr double kMinDoubtShare = 0.05;    // Background in so little of it is noise on a closed surface.
 constexpr double kMinGroundOnlyShare = 0.90;
 constexpr double kStraightShare = 0.25;  // Of a head's columns that have to lie on one level.
+constexpr double kLevelCells = 2.5;      // From a straight edge: points within are on it.
 constexpr double kPixelStd = 0.7;
 constexpr double kSameWidthShare = 0.92;  // A gap that narrows less shows no sides of a recess.
 constexpr int kHeadSegments = 24;
@@ -367,6 +368,11 @@ double ShareAt(const std::vector<Eigen::Vector2d>& points, double at, double rea
   return count / static_cast<double>(points.size());
 }
 
+/// How far from the level of a straight edge its points may lie, brought back to the mouth.
+double LevelReach(const Elevation& view, const Mouth& mouth) {
+  return kLevelCells * view.cell_m / mouth.shrink;
+}
+
 /// The highest level at which a straight edge can lie: things behind an opening may hide more than half of
 /// its head, and things in it seem to go on below its sill.
 double HighestLevel(const std::vector<Eigen::Vector2d>& points, double reach) {
@@ -456,7 +462,7 @@ Head MeasureHead(const Elevation& view, const Gap& gap, const Mouth& mouth, cons
   const std::vector<Eigen::Vector2d> as_straight = TraceHead(view, gap, mouth, sides, false);
   const std::vector<Eigen::Vector2d> as_arch = TraceHead(view, gap, mouth, sides, true);
   if (as_straight.empty() || as_arch.empty()) return {(gap.bounds.y + gap.bounds.height) * view.cell_m, 0.0};
-  const double reach = 2.5 * view.cell_m / mouth.shrink;
+  const double reach = LevelReach(view, mouth);
   const double level = HighestLevel(as_straight, reach);
   const Head arch = FitArch(as_arch, sides);
   const bool is_arch = arch.rise_m > 0.05 * (sides.high - sides.low) && arch.spring_m >= 0.0;
@@ -475,7 +481,7 @@ double MeasureBottom(const Elevation& view, const Gap& gap, const Mouth& mouth, 
       points.emplace_back(u, mouth.Bottom((gap.bounds.y + row) * view.cell_m));
   }
   if (points.empty()) return mouth.Bottom(gap.bounds.y * view.cell_m);
-  return HighestLevel(points, 2.5 * view.cell_m / mouth.shrink);
+  return HighestLevel(points, LevelReach(view, mouth));
 }
 
 /// Counter-clockwise as seen from outside.
