@@ -5,22 +5,16 @@
 
 #include <cmath>
 
+#include "test/support/plain_building.h"
+
 namespace soffit {
 namespace {
 
+using test::Building;
+using test::kBlock;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-
-Footprint Building(const Ring& ring) {
-  Footprint footprint;
-  footprint.object_id = 1;
-  footprint.polygon_in_map_m.outer = ring;
-  footprint.height_m = 2.0;
-  return footprint;
-}
-
-const Ring kBlock = {{0, 0}, {4, 0}, {4, 1.5}, {0, 1.5}};
 
 Opening Through(const Ring& ring) {
   Opening opening;
